@@ -20,7 +20,7 @@ static void add(samples *s, const bench_seconds *start) {
 }
 
 /* True if the phase must run again. */
-static bool again(const samples *s, const phases_options *options) {
+static bool again(const samples *s, const render_time_options *options) {
     double spent = 0;
     for (unsigned i = 0; i < s->count; ++i) spent += s->by[BENCH_WALL][i];
     return s->count == 0 || (s->count < options->repeats && spent < options->seconds);
@@ -31,7 +31,8 @@ static void finish(samples *s, quartiles out[BENCH_CLOCKS]) {
 }
 
 fathom_status phases_read(fathom_context *context, const char *path, const fathom_read_options *read,
-                          const phases_options *options, fathom_scene **scene, quartiles out[BENCH_CLOCKS]) {
+                          const render_time_options *options, fathom_scene **scene,
+                          quartiles out[BENCH_CLOCKS]) {
     samples s = {.count = 0};
     fathom_status status = FATHOM_OK;
     for (*scene = NULL; status == FATHOM_OK && again(&s, options);) {
@@ -65,11 +66,11 @@ static fathom_status build_once(fathom_context *context, const fathom_scene *sce
 
 fathom_status phases_measure(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const char *words,
-                             const phases_options *options, const render_time_options *times, phases *out) {
+                             const render_time_options *options, phases *out) {
     const bench_watch building = bench_watch_part(options->watch, 0, BUILT_UNTIL),
                       rendering = bench_watch_part(options->watch, BUILT_UNTIL, 1);
-    render_time_options render = *times;
-    render.repeats = options->repeats, render.watch = &rendering;
+    render_time_options render = *options;
+    render.watch = &rendering;
     samples s = {.count = 0};
     world *w = NULL;
     trace_tracer *tracer = NULL;

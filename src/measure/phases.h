@@ -4,18 +4,14 @@
 #include "measure/render_time.h"
 #include "measure/stage.h"
 
-/* Reading and building are not repeated once their runs took longer than `seconds`. The first run is not
- * counted. */
-typedef struct phases_options {
-    unsigned repeats; /* [1, RENDER_TIME_REPEATS_MAX] */
-    double seconds;
-    const bench_watch *watch; /* may be NULL */
-} phases_options;
+/* Reading and building are not repeated once their runs took longer than the options' `seconds`. The first
+ * run is not counted. */
 
 /* Measures reading a file that is in the system's cache. *scene is the scene that was read last; the caller
  * destroys it, whatever the status. */
 fathom_status phases_read(fathom_context *context, const char *path, const fathom_read_options *read,
-                          const phases_options *options, fathom_scene **scene, quartiles out[BENCH_CLOCKS]);
+                          const render_time_options *options, fathom_scene **scene,
+                          quartiles out[BENCH_CLOCKS]);
 
 typedef struct phases {
     uint64_t bvh_bytes, peak_bytes; /* peak: while the tracer is built */
@@ -24,8 +20,7 @@ typedef struct phases {
     char tracer[64];
 } phases;
 
-/* words: the words of the tracer. times: options of render_time_measure(); their repeats and watch are
- * ignored. */
+/* words: the words of the tracer. */
 fathom_status phases_measure(fathom_context *context, const fathom_scene *scene,
                              const fathom_settings *settings, const char *words,
-                             const phases_options *options, const render_time_options *times, phases *out);
+                             const render_time_options *options, phases *out);

@@ -34,6 +34,7 @@ typedef struct render_time {
 
 typedef struct render_time_options {
     unsigned repeats; /* [1, RENDER_TIME_REPEATS_MAX] */
+    double seconds;   /* for phases.h */
     unsigned threads[RENDER_TIME_THREADS_MAX], thread_counts;
     uint64_t record_bytes;    /* limit for the rays of one band (approximate) */
     const bench_watch *watch; /* may be NULL */

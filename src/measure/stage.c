@@ -26,14 +26,11 @@ fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fat
     return status;
 }
 
-fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays) {
-    trace_destroy(stage->tracer);
-    stage->tracer = NULL;
-    const trace_options options = {.words = words ? words : stage->settings.tracer,
+fathom_status stage_build(fathom_context *context, bench_stage *stage) {
+    const trace_options options = {.words = stage->settings.tracer,
                                    .timed = stage->settings.integrator != FATHOM_INTEGRATOR_CLASSIC,
                                    .width = stage->settings.block_width,
-                                   .threads = fathom_context_threads(context),
-                                   .expected_rays = rays};
+                                   .threads = fathom_context_threads(context)};
     bench_seconds start = bench_now();
     fathom_status status = trace_create(context, stage->world, &options, &stage->tracer);
     stage->build = bench_since(&start);

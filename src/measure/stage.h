@@ -30,9 +30,8 @@ typedef struct bench_stage {
  * rendered, without AOVs. */
 fathom_status stage_open(fathom_context *context, fathom_scene *scene, const fathom_settings *settings,
                          bench_stage *out);
-/* Builds the tracer of these words (NULL: the settings' words) for this expected number of rays, and releases
- * the previous one. */
-fathom_status stage_build(fathom_context *context, bench_stage *stage, const char *words, uint64_t rays);
+/* Builds the settings' tracer, as for a long render. */
+fathom_status stage_build(fathom_context *context, bench_stage *stage);
 void stage_close(bench_stage *stage);
 
 typedef struct stage_shot {

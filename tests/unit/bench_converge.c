@@ -109,7 +109,7 @@ static void open_example(bench_stage *stage) {
     fathom_scene_settings(scene, &settings);
     settings.width = 48, settings.height = 32;
     assert_ok(context, stage_open(context, scene, &settings, stage));
-    assert_ok(context, stage_build(context, stage, NULL, 0));
+    assert_ok(context, stage_build(context, stage));
 }
 
 /* The stage's images are those of fathom_render(). */

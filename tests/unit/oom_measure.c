@@ -107,14 +107,15 @@ static const char scene_json[] =
     "},\n"
     "    { \"type\": \"sphere\", \"center\": [1, 0, 2], \"radius\": 0.5, \"material\": \"glass\" } ] }\n";
 
-static fathom_status open_stage(fathom_context *context, const char *file, bench_stage *out) {
+static fathom_status open_stage(fathom_context *context, const char *file, const char *tracer,
+                                bench_stage *out) {
     fathom_scene *scene;
     fathom_settings settings;
     *out = (bench_stage){.scene = NULL};
     fathom_status status = fathom_scene_read(context, in_folder(file), &scene);
     if (status != FATHOM_OK) return status;
     fathom_scene_settings(scene, &settings);
-    settings.width = 16, settings.height = 12;
+    settings.width = 16, settings.height = 12, settings.tracer = tracer;
     return stage_open(context, scene, &settings, out);
 }
 
@@ -122,8 +123,8 @@ static fathom_status measure_error(fathom_context *context, const char *file, ou
     const converge_options options = {.rounds = 1, .max_spp = 4, .half_spp = 4, .ppd = 67};
     converge_result result = {.rounds = 0};
     bench_stage stage;
-    fathom_status status = open_stage(context, file, &stage);
-    if (status == FATHOM_OK) status = stage_build(context, &stage, "linear", 0);
+    fathom_status status = open_stage(context, file, "linear", &stage);
+    if (status == FATHOM_OK) status = stage_build(context, &stage);
     if (status == FATHOM_OK) status = converge_measure(context, &stage, &options, &result);
     for (size_t i = 0; i < result.runs.count; ++i)
         add(out, result.runs.items[i].errors, sizeof result.runs.items[i].errors);
@@ -137,8 +138,8 @@ static fathom_status measure_trace(fathom_context *context, const char *file, ou
     trace_sets sets = {{{.count = 0}}};
     static trace_rate rates[1][TRACE_SETS];
     bench_stage stage;
-    fathom_status status = open_stage(context, file, &stage);
-    if (status == FATHOM_OK) status = stage_build(context, &stage, "bvh", 0);
+    fathom_status status = open_stage(context, file, "bvh", &stage);
+    if (status == FATHOM_OK) status = stage_build(context, &stage);
     if (status == FATHOM_OK) status = trace_sets_create(context, stage.world, stage.tracer, 300, &sets);
     for (size_t s = 0; s < TRACE_SETS && status == FATHOM_OK; ++s) {
         const trace_set *set = &sets.items[s];
@@ -153,8 +154,8 @@ static fathom_status measure_trace(fathom_context *context, const char *file, ou
 
 /* Reading, building, rendering in bands by one thread, and the rays of it asked again. */
 static fathom_status measure_phases(fathom_context *context, const char *file, outcome *out) {
-    const phases_options options = {.repeats = 1, .seconds = 1};
-    const render_time_options times = {.threads = {1}, .thread_counts = 1, .record_bytes = 1};
+    const render_time_options options = {
+        .repeats = 1, .seconds = 1, .threads = {1}, .thread_counts = 1, .record_bytes = 1};
     fathom_read_options read = default_read_options();
     quartiles seconds[BENCH_CLOCKS];
     static phases result;
@@ -165,7 +166,7 @@ static fathom_status measure_phases(fathom_context *context, const char *file, o
     if (status == FATHOM_OK) {
         fathom_scene_settings(scene, &settings);
         settings.width = 20, settings.height = 40, settings.spp = 1;
-        status = phases_measure(context, scene, &settings, "embree", &options, &times, &result);
+        status = phases_measure(context, scene, &settings, "embree", &options, &result);
     }
     fathom_scene_destroy(scene);
     if (status != FATHOM_OK) return status;

@@ -369,8 +369,7 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     bench_stage stage = {.scene = NULL};
     converge_result result = {.rounds = 0};
     fathom_status status = open_stage(context, &asked->all, &stage);
-    /* Expected rays 0: builds as for a long render. */
-    if (status == FATHOM_OK) status = stage_build(context, &stage, NULL, 0);
+    if (status == FATHOM_OK) status = stage_build(context, &stage);
     if (status == FATHOM_OK) status = converge(context, asked, &stage, &result);
     if (status == FATHOM_OK) status = fathom_scene_check_files(stage.scene);
     const bool interrupted = status == FATHOM_INTERRUPTED && result.runs.count;

@@ -252,16 +252,17 @@ static fathom_status write_once(fathom_context *context, const fathom_scene *sce
 static fathom_status measure_run(fathom_context *context, const bench_render_settings *asked,
                                  const source *from, const char *spec, size_t index, const bench_watch *watch,
                                  json_t *root) {
-    const phases_options options = {asked->all.repeats, asked->seconds, watch};
-    render_time_options times = {.record_bytes = RECORD_BYTES};
+    render_time_options options = {.repeats = asked->all.repeats,
+                                   .seconds = asked->seconds,
+                                   .record_bytes = RECORD_BYTES,
+                                   .watch = watch};
     for (size_t i = 0; i < asked->threads.count; ++i)
-        times.threads[times.thread_counts++] = (unsigned)asked->threads.items[i];
+        options.threads[options.thread_counts++] = (unsigned)asked->threads.items[i];
     measured *m = calloc(1, sizeof *m);
     if (!m) return fail_memory(context, sizeof *m);
     m->spec = spec;
     m->settings = settings_of(from->scene, asked, index);
-    fathom_status status =
-        phases_measure(context, from->scene, &m->settings, spec, &options, &times, &m->phases);
+    fathom_status status = phases_measure(context, from->scene, &m->settings, spec, &options, &m->phases);
     if (status == FATHOM_OK) status = write_once(context, from->scene, m);
     if (status == FATHOM_OK) status = fathom_scene_check_files(from->scene);
     if (status == FATHOM_OK) {
@@ -283,7 +284,7 @@ static fathom_status measure_source(fathom_context *context, const bench_render_
     read.width = asked->all.size.width, read.height = asked->all.size.height;
     read.choose_integrator = true, read.integrator = asked->integrator;
     read.own_spp = true;
-    const phases_options options = {asked->all.repeats, asked->seconds, NULL};
+    const render_time_options options = {.repeats = asked->all.repeats, .seconds = asked->seconds};
     struct stat info;
     source from = {.name = name, .file_bytes = stat(path, &info) == 0 ? (uint64_t)info.st_size : 0};
     fathom_scene *scene;
