@@ -144,6 +144,23 @@ static bool finish_part(render_options *options, args_problem *problem) {
 
 /* ---- frames ---- */
 
+#define FPS 24.0
+
+/* In seconds. */
+static double frames_time(const render_frames *frames, uint32_t frame) {
+    return frame / (frames->fps > 0 ? frames->fps : FPS);
+}
+
+bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]) {
+    const char *begin = strrchr(path, '#');
+    if (!begin) return false;
+    const char *end = begin + 1;
+    while (begin > path && begin[-1] == '#') --begin;
+    const int length =
+        snprintf(out, PATH_MAX, "%.*s%0*u%s", (int)(begin - path), path, (int)(end - begin), frame, end);
+    return length >= 0 && length < PATH_MAX;
+}
+
 /* Number of files that are written in addition to the outputs. */
 enum { OTHERS = 3 };
 static void others_of(render_options *options, const char **others[OTHERS]) {

@@ -34,6 +34,23 @@ static bool take_rgb(const args_option *option, const char *value, void *field, 
     return background->given;
 }
 
+#define FRAME_MOST 999999u
+
+/* "1-24" or "7". */
+static bool take_frames(const args_option *option, const char *value, void *field, args_problem *problem) {
+    const char *text = value;
+    uint64_t first = 0, last;
+    bool fine = text_read_u64(&text, strchr(value, '-') ? '-' : '\0', &first);
+    last = first;
+    if (fine && strchr(value, '-')) fine = text_read_u64(&text, '\0', &last);
+    if (!fine || first > last || last > FRAME_MOST)
+        return args_wrong(problem, "expected %s with FIRST <= LAST <= %u, such as 1-24, found \"%.60s\"",
+                          option->value, FRAME_MOST, value);
+    render_frames *frames = field;
+    frames->first = (uint32_t)first, frames->last = (uint32_t)last;
+    return true;
+}
+
 /* "3/16". */
 static bool take_part(const args_option *option, const char *value, void *field, args_problem *problem) {
     fathom_part *part = field;

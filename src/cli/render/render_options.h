@@ -2,9 +2,21 @@
 #pragma once
 
 #include "cli/command.h"
-#include "cli/render/frames.h"
 
 #include <fathom/session.h>
+#include <limits.h>
+
+/* Frames of an animation, one image each. first > last: none were requested. */
+typedef struct render_frames {
+    uint32_t first, last;
+    double fps; /* 0: not given */
+} render_frames;
+
+#define FRAMES_NONE ((render_frames){.first = 1})
+static inline bool frames_asked(const render_frames *frames) { return frames->first <= frames->last; }
+/* Replaces the last run of # in the path with the frame's number, padded to the width of the run. False: the
+ * path has no #, or the result is too long. */
+bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]);
 
 typedef struct render_background {
     bool given;
