@@ -1,5 +1,6 @@
 /* File names, and the check of the paths in input files. */
 #include "base/file.h"
+#include "base/text.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -26,6 +27,12 @@ void file_extension(const char *path, char out[16]) {
         for (const char *c = dot + 1; *c; ++c)
             out[length++] = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c;
     out[length] = '\0';
+}
+
+bool file_ends_in(const char *path, const char *words) {
+    char extension[16];
+    file_extension(path, extension);
+    return words_find(words, extension, strlen(extension)) >= 0;
 }
 
 size_t file_name_cut(const char *name, size_t most) {

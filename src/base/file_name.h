@@ -1,11 +1,14 @@
 /* File names, as text. */
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* Extension without the dot, in lower case; "" when there is none or it has more than 15 bytes. `out` has
  * room for 16 bytes. */
 void file_extension(const char *path, char out[16]);
+/* True if the extension is one of the words of "glb|ply". */
+bool file_ends_in(const char *path, const char *words);
 /* The part of `path` after the last slash. */
 const char *file_name(const char *path);
 /* The length of `path` before the dot of its extension. */

@@ -8,7 +8,6 @@
 #include <fathom/read.h>
 #include <limits.h>
 #include <stdio.h>
-#include <string.h>
 
 typedef struct convert_settings {
     command_common common;
@@ -17,13 +16,8 @@ typedef struct convert_settings {
 } convert_settings;
 
 static bool check(const convert_settings *settings, args_problem *problem) {
-    static const char *const known[] = {"glb", "json", "obj", "ply"};
-    char extension[16];
-    file_extension(settings->output, extension);
-    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
-        if (strcmp(extension, known[i]) == 0) return true;
-    }
-    return args_wrong(problem,
+    return file_ends_in(settings->output, "glb|json|obj|ply") ||
+           args_wrong(problem,
                       "OUT: expected a name that ends in .glb, .json, .obj or .ply, found \"%.200s\"",
                       settings->output);
 }
@@ -31,10 +25,9 @@ static bool check(const convert_settings *settings, args_problem *problem) {
 /* An .obj has its materials next to it, in an .mtl. */
 static fathom_status check_files(fathom_context *context, const convert_settings *settings) {
     const char *output = settings->output;
-    char library[PATH_MAX], extension[16];
+    char library[PATH_MAX];
     const char *const written[2] = {output, library};
-    file_extension(output, extension);
-    const bool two = strcmp(extension, "obj") == 0;
+    const bool two = file_ends_in(output, "obj");
     snprintf(library, sizeof library, "%.*s.mtl", (int)file_stem_length(output), output);
     const fathom_status status = outputs_check_distinct(context, written, two ? 2 : 1, settings->input);
     return status == FATHOM_OK ? fathom_file_check(context, output) : status;

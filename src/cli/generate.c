@@ -33,10 +33,7 @@ static bool check(const generate_settings *settings, fathom_generator *kind, arg
     if (!find_kind(settings->kind, kind, problem)) return false;
     if (!settings->triangles) return args_wrong(problem, "--triangles N is missing");
     if (!settings->output) return args_wrong(problem, "-o FILE is missing");
-    char extension[16];
-    file_extension(settings->output, extension);
-    if (strcmp(extension, "glb") == 0 || strcmp(extension, "ply") == 0 || strcmp(extension, "obj") == 0)
-        return true;
+    if (file_ends_in(settings->output, "glb|ply|obj")) return true;
     return args_wrong(problem, "-o: expected a name that ends in .glb, .ply or .obj, found \"%.200s\"",
                       settings->output);
 }

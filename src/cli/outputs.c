@@ -14,11 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-bool outputs_is_exr(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    return strcmp(extension, "exr") == 0;
-}
+bool outputs_is_exr(const char *path) { return file_ends_in(path, "exr"); }
 
 bool outputs_have_exr(const args_list *outputs) {
     for (size_t i = 0; i < outputs->count; ++i) {

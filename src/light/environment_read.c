@@ -11,15 +11,7 @@
 
 /* ---- one file ---- */
 
-static bool is_linear(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    static const char *const encoded[] = {"png", "jpg", "jpeg", "gif", "bmp", "webp", "tga", "ktx2"};
-    for (size_t i = 0; i < sizeof encoded / sizeof *encoded; ++i) {
-        if (strcmp(extension, encoded[i]) == 0) return false;
-    }
-    return true;
-}
+static bool is_linear(const char *path) { return !file_ends_in(path, "png|jpg|jpeg|gif|bmp|webp|tga|ktx2"); }
 
 /* Finds R, G and B, or one channel for all three. */
 static bool find_channels(const image *img, const image_channel *rgb[3]) {

@@ -127,10 +127,8 @@ static fathom_status write_texture(texture_cache *cache, fathom_context *context
 #define WRITE_MEMORY 1000000000u
 
 fathom_status fathom_texture_write(fathom_context *context, const fathom_texture *texture, const char *path) {
-    char extension[16];
     if (!path) return fail_null(context, "path");
-    file_extension(path, extension);
-    if (strcmp(extension, "tx") != 0 && strcmp(extension, "tif") != 0 && strcmp(extension, "tiff") != 0)
+    if (!file_ends_in(path, "tx|tif|tiff"))
         return fail_file(context, FATHOM_BAD_USAGE, path, "expected a name that ends in .tx, .tif or .tiff");
     fathom_scene *scene;
     texture_cache *cache = NULL;

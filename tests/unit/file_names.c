@@ -116,6 +116,8 @@ UNIT_TEST(paths_split_into_stem_name_and_extension) {
         char extension[16];
         file_extension(cases[i].path, extension);
         assert_string_equal(extension, cases[i].extension);
+        assert_int_equal(file_ends_in(cases[i].path, "json|gz"),
+                         strcmp(extension, "json") == 0 || strcmp(extension, "gz") == 0);
         assert_int_equal(file_stem_length(cases[i].path), cases[i].stem);
         assert_string_equal(file_name(cases[i].path), cases[i].name);
     }

@@ -12,11 +12,8 @@
 /* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
 static unsigned held_aovs(const args_list *outputs) {
     unsigned held = outputs_have_exr(outputs) ? ~0u : 0;
-    for (size_t i = 0; i < outputs->count; ++i) {
-        char extension[16];
-        file_extension(outputs->items[i], extension);
-        if (strncmp(extension, "jp", 2) != 0) held |= FATHOM_AOV_ALPHA;
-    }
+    for (size_t i = 0; i < outputs->count; ++i)
+        if (!file_ends_in(outputs->items[i], "jpg|jpeg")) held |= FATHOM_AOV_ALPHA;
     return held;
 }
 
@@ -111,19 +108,13 @@ static bool take_slurm(fathom_part *part, args_problem *problem) {
                       part->path, task, part->count, least, step);
 }
 
-static bool is_part(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    return strcmp(extension, "part") == 0;
-}
-
 /* Turns an output whose name ends in .part into the part's file. */
 static bool finish_part(render_options *options, args_problem *problem) {
     fathom_part *part = &options->part;
     args_list *outputs = &options->outputs;
     if (part->path) return true;
     size_t i = 0;
-    while (i < outputs->count && !is_part(outputs->items[i])) ++i;
+    while (i < outputs->count && !file_ends_in(outputs->items[i], "part")) ++i;
     if (i == outputs->count) {
         return (!part->count && part->split == FATHOM_SPLIT_AUTO) ||
                args_wrong(problem, "--%s: only with -o FILE.part", part->count ? "part" : "split");

@@ -2,7 +2,6 @@
 #include "base/file.h"
 #include "base/sized.h"
 #include "base/srgb.h"
-#include "base/text.h"
 #include "image/compare/flip.h"
 #include "image/image.h"
 
@@ -20,12 +19,6 @@ struct fathom_image {
     char path[];  /* for messages */
 };
 
-static bool is_encoded(const char *path) {
-    char extension[16];
-    file_extension(path, extension);
-    return words_find("exr|hdr|pfm", extension, strlen(extension)) < 0;
-}
-
 fathom_status fathom_image_read(fathom_context *context, const char *path, const fathom_image **out) {
     if (!out) return fail_null(context, "out");
     *out = NULL;
@@ -34,7 +27,7 @@ fathom_status fathom_image_read(fathom_context *context, const char *path, const
     fathom_image *found = calloc(1, sizeof *found + length);
     if (!found) return fail_memory(context, sizeof *found + length);
     memcpy(found->path, path, length);
-    found->encoded = is_encoded(path);
+    found->encoded = !file_ends_in(path, "exr|hdr|pfm");
     fathom_status status = image_read(context, path, &found->img);
     if (status == FATHOM_OK)
         *out = found;
