@@ -68,7 +68,7 @@ static void follow_run(const emitters *e, const emitter_run *run, run_motion *m)
     for (uint32_t k = 0; k < m->steps; ++k) {
         const motion_parts *at = &m->placed->parts[k];
         m->at[k] = motion_put_together(at);
-        m->stretches |= is_stretched(at, m->placed->parts);
+        m->stretches |= m->placed->linear || is_stretched(at, m->placed->parts);
         if (k) m->turn = fmax(m->turn, turn_between(at - 1, at));
     }
 }
@@ -90,10 +90,12 @@ static double stretch_of(const motion_parts *p) {
 /* Upper bound of the distance between a ball's points and the straight lines that connect their positions at
  * two steps. Such a point is p = R y + T, where y and T move linearly and R rotates by an angle a at nearly
  * constant speed: the distance is at most max |p''| / 8, and |p''| is at most a² |y| + 2 a |y'|. The factor
- * 1.05 is for R, which moves on a chord, and 2^-18 for the tracer's rounding errors. */
-static double slack_between(const motion_parts *a, const motion_parts *b, vec3_f64 x, double radius) {
+ * 1.05 is for R, which moves on a chord, and 2^-18 for the tracer's rounding errors. Linear motion has
+ * only the last. */
+static double slack_between(const world_motion *motion, uint32_t step, vec3_f64 x, double radius) {
+    const motion_parts *a = &motion->parts[step], *b = a + 1;
     const vec3_f64 from = stretched(a, x), to = stretched(b, x);
-    const double wide = fmax(stretch_of(a), stretch_of(b)), turn = turn_between(a, b);
+    const double wide = fmax(stretch_of(a), stretch_of(b)), turn = motion->linear ? 0 : turn_between(a, b);
     const double reach = fmax(length_f64(from), length_f64(to)) + radius * wide;
     const double change = length_f64(sub_f64(to, from)) + radius * (is_stretched(a, b) ? 2 * wide : 0);
     return 1.05 / 8 * (turn * turn * reach + 2 * turn * change) + 0x1p-18 * reach;
@@ -102,8 +104,7 @@ static double slack_between(const motion_parts *a, const motion_parts *b, vec3_f
 /* Bounds a ball of object space over all positions that the transform gives it. */
 static void bound_placed(const run_motion *m, vec3_f64 x, double radius, tree_item *item) {
     for (uint32_t k = 0; k + 1 < m->steps; ++k) {
-        const motion_parts *parts = &m->placed->parts[k];
-        const double slack = slack_between(parts, parts + 1, x, radius);
+        const double slack = slack_between(m->placed, k, x, radius);
         for (int end = 0; end < 2; ++end) {
             const affine_f64 *map = &m->at[k + (uint32_t)end];
             double half[3];

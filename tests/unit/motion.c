@@ -152,6 +152,32 @@ static double nearing(const stage *s, const trace_block *b, int i) {
     return fabs(dot_f64(normalize_f64(normal), way));
 }
 
+/* A ball of triangles turns by 540 degrees inside a group that is flat to a 50th. Where an axis of the ball
+ * passes the flat one, the rotation of motion_take_apart() is 50 times as fast. */
+static stage squashed_stage(void) {
+    stage s = stage_open(32, 32);
+    const fathom_id flat = stage_group(&s), ball = stage_group(&s);
+    const vec3_f64 axis = {0, 0, 1}, still = {0, 0, 0}, one = {1, 1, 1};
+    const affine_f64 squash = map_of(0, axis, still, vec_f64(1, 0.02, 1));
+    double times[7], maps[7][12];
+    for (int k = 0; k < 7; ++k) {
+        const affine_f64 map = map_of(k * M_PI / 2, axis, still, one);
+        memcpy(maps[k], map.m, sizeof maps[k]);
+        times[k] = k / 6.0;
+    }
+    stage_mesh_sphere(&s, ball, 12, 16, 0);
+    fathom_instance instance = default_instance();
+    instance.group = flat;
+    memcpy(instance.transform, squash.m, sizeof instance.transform);
+    assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    instance = default_instance();
+    instance.group = ball, instance.parent = flat;
+    instance.key_count = 7, instance.key_times = times, instance.key_transforms = maps[0];
+    assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    stage_shutter(&s, 0, 1);
+    return s;
+}
+
 /* Embree interpolates places in float, the linear search in double: at most a few rays pass a rim by
  * rounding, and none is off by more than some roundings. */
 UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
@@ -187,6 +213,41 @@ UNIT_TEST(embree_meets_what_the_linear_search_meets_at_the_ray_s_time) {
     assert_true(differ <= 2);
     /* About 16 roundings make the map of a time, move the ray and meet the triangle; all is within 9 units.
      */
+    assert_true(off < 16 * 0x1p-24 * 9);
+    trace_destroy(fast);
+    trace_destroy(slow);
+}
+
+/* As above, by rays that meet the flat side almost straight on. */
+UNIT_TEST(embree_meets_what_turns_in_a_squashed_group) {
+    stage s = squashed_stage();
+    world *w = new_world(s.scene);
+    trace_tracer *fast = trace_by(&s, w, "embree"), *slow = trace_by(&s, w, "linear:f32");
+    random_state r = {7};
+    int met = 0, differ = 0;
+    double off = 0;
+    for (int k = 0; k < 300; ++k) {
+        trace_block a, b;
+        random_rays(&r, &a.rays);
+        for (int i = 0; i < LANES; ++i) {
+            a.rays.org_x[i] = (float)random_in(&r, -1, 1), a.rays.org_z[i] = (float)random_in(&r, -1, 1);
+            a.rays.org_y[i] = 8, a.rays.dir_y[i] = -1, a.rays.dir_x[i] = a.rays.dir_z[i] = 0.01f;
+        }
+        b = a;
+        const unsigned mode = trace_thread_begin();
+        trace_closest(fast, &a, LANES, TRACE_INCOHERENT);
+        trace_closest(slow, &b, LANES, TRACE_INCOHERENT);
+        trace_thread_end(mode);
+        for (int i = 0; i < LANES; ++i) {
+            const bool same = a.hits.primitive[i] == b.hits.primitive[i];
+            differ += !same;
+            if (!same || b.hits.geometry[i] == FATHOM_NONE) continue;
+            ++met;
+            off = fmax(off, fabs((double)a.rays.t_far[i] - (double)b.rays.t_far[i]));
+        }
+    }
+    assert_true(met > 3000);
+    assert_true(differ <= 2);
     assert_true(off < 16 * 0x1p-24 * 9);
     trace_destroy(fast);
     trace_destroy(slow);

@@ -84,6 +84,28 @@ UNIT_TEST(keys_follow_the_stills) {
     }
 }
 
+/* A triangle turns by 60 degrees inside a parent that is flat to a tenth: off by no more than twice 2^-8 of
+ * its way, as above, which is 1. */
+UNIT_TEST(keys_follow_the_stills_in_a_squashed_parent) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
+              turns = PUT_FLOATS(&b, "VEC4", 2, 0, 0, 0.6087614f, 0.7933533f, 0, 0, 0.7933533f, 0.6087614f);
+    build_write(f, &b,
+                "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[{'scale':[1,0.1,1],"
+                "'children':[1]},{'mesh':0}],'scenes':[{'nodes':[0]}],'animations':[{'samplers':[{'input':%d,"
+                "'output':%d}],'channels':[{'sampler':0,'target':{'node':1,'path':'rotation'}}]}]",
+                positions, times, turns);
+    fathom_scene *moving = read_blurred(f, 0, 1);
+    assert_int_equal(f->warnings, 0);
+    for (int k = 0; k <= 256; ++k) {
+        const fathom_scene *still = read_at(f, k / 256.0);
+        const affine_f64 there = motion_place(&moving->instances.items[0], k / 256.0);
+        for (int e = 0; e < 12; ++e)
+            assert_near(there.m[e / 4][e % 4], still->instances.items[0].transform[e], 2 * 0.6 * 0x1p-8);
+    }
+}
+
 /* Eight turns in 24 keys: at each eighth of the time it is back where it was. */
 UNIT_TEST(a_wheel_does_not_seem_to_stand) {
     fixture *f = *state;

@@ -56,11 +56,12 @@ void gltf_moments_close(gltf *g) {
 
 /* ---- how many keys ---- */
 
-/* A column of a node's matrix, or one of its weights, at all moments. */
+/* A column of a node's matrix, or one of its weights, at all moments. placed: as motion_place() follows it.
+ */
 typedef struct curve {
     gltf *g;
     uint32_t link;
-    bool weights;
+    bool weights, placed;
     size_t at;
 } curve;
 
@@ -79,10 +80,35 @@ static double distance(const double a[3], const double b[3]) {
     return length_f64(sub_f64(load_f64(a), load_f64(b)));
 }
 
-/* Reduces *stride, to 1 if necessary, until linear interpolation fits the curve. Positions are sums of
- * products of doubles: 2^-40 of their size is far above the rounding error and far below a visible size. Axes
- * also have the rounding of a file's floats: that of a quaternion turns by up to 2^-23, so 2^-22 allows for
- * two nodes. Otherwise the axle of a wheel, which rests, would need all poses. */
+/* True if both maps have an inverse, and the change from one to the other reverses no axis and turns by less
+ * than a right angle: by Hurwitz, each eigenvalue of its linear part has a positive real part. */
+static bool keeps_sides(const affine_f64 *from, const affine_f64 *to) {
+    affine_f64 back;
+    if (!affine_invert(to, &back) || !affine_invert(from, &back)) return false;
+    const affine_f64 change = affine_compose(&back, to);
+    const double(*m)[4] = change.m;
+    const double trace = m[0][0] + m[1][1] + m[2][2],
+                 minors = m[0][0] * m[1][1] - m[0][1] * m[1][0] + m[1][1] * m[2][2] - m[1][2] * m[2][1] +
+                          m[2][2] * m[0][0] - m[2][0] * m[0][2],
+                 determinant = affine_determinant(&change);
+    return trace > 0 && determinant > 0 && trace * minors > determinant;
+}
+
+/* The point that motion_place() puts between two places. Inside a squashed parent, the rotation that it
+ * interpolates is faster than the node's. */
+static void place_between(const curve *c, size_t from, size_t to, double u, double out[3]) {
+    gltf_moment *m = c->g->moments.items;
+    const affine_f64 a = gltf_node_world(c->g, &m[from], c->link), b = gltf_node_world(c->g, &m[to], c->link);
+    if (!keeps_sides(&a, &b)) return;
+    const motion_parts p = motion_take_apart(&a), q = motion_take_apart(&b), at = motion_between(&p, &q, u);
+    const affine_f64 made = motion_put_together(&at);
+    for (int i = 0; i < 3; ++i) out[i] = made.m[i][c->at];
+}
+
+/* Reduces *stride, to 1 if necessary, until interpolation fits the curve. Positions are sums of products of
+ * doubles: 2^-40 of their size is far above the rounding error and far below a visible size. Axes also have
+ * the rounding of a file's floats: that of a quaternion turns by up to 2^-23, so 2^-22 allows for two nodes.
+ * Otherwise the axle of a wheel, which rests, would need all poses. */
 static void fit_curve(const curve *c, size_t *stride) {
     double points[INTERVALS_MOST + 1][3], way = 0, size = 0;
     const size_t intervals = c->g->moments.count - 1;
@@ -91,12 +117,14 @@ static void fit_curve(const curve *c, size_t *stride) {
         way = fmax(way, distance(points[i], points[0]));
         size = fmax(size, length_f64(load_f64(points[i])));
     }
+    if (way == 0) return;
     const double slack = 0x1p-8 * way + (c->weights || c->at == 3 ? 0x1p-40 : 0x1p-22) * size;
     for (size_t i = 0; i<intervals && * stride> 1; ++i) {
         const size_t from = i / *stride * *stride;
         const double u = (double)(i - from) / (double)*stride;
         double between[3];
         for (int k = 0; k < 3; ++k) between[k] = (1 - u) * points[from][k] + u * points[from + *stride][k];
+        if (c->placed) place_between(c, from, from + *stride, u, between);
         /* Starts again with half the stride. */
         if (!(distance(between, points[i]) <= slack)) *stride /= 2, i = 0;
     }
@@ -107,6 +135,16 @@ static void fit_node(gltf *g, uint32_t link, size_t *stride) {
     for (size_t k = 0; k < 4 && gltf_fine(g); ++k) fit_curve(&(curve){.g = g, .link = link, .at = k}, stride);
     for (size_t k = 0; pose && pose->weights && k < pose->weight_count && gltf_fine(g); ++k)
         fit_curve(&(curve){.g = g, .link = link, .at = k, .weights = true}, stride);
+}
+
+/* Vertices and lights are interpolated linearly, and the note is about that. Instances are placed. */
+static void fit_all(gltf *g, size_t *stride, bool *uneven) {
+    for (uint32_t i = 0; i < g->links.count; ++i) fit_node(g, i, stride);
+    *uneven = *stride == 1;
+    for (uint32_t i = 0; i < g->links.count && gltf_fine(g); ++i) {
+        for (size_t k = 0; k < 3; ++k)
+            fit_curve(&(curve){.g = g, .link = i, .at = k, .placed = true}, stride);
+    }
 }
 
 /* Keeps every `stride`-th pose. */
@@ -142,15 +180,16 @@ void gltf_moments_open(gltf *g) {
         return;
     }
     size_t stride = 1;
+    bool uneven = true;
     for (size_t intervals = INTERVALS_FIRST; stride == 1 && intervals <= INTERVALS_MOST; intervals *= 2) {
         open_even(g, time, shutter, intervals);
         if (!gltf_fine(g)) return;
         if (intervals < g->keys_inside && intervals < INTERVALS_MOST) continue;
         stride = intervals;
-        for (uint32_t i = 0; i < g->links.count; ++i) fit_node(g, i, &stride);
+        fit_all(g, &stride, &uneven);
     }
     if (!gltf_fine(g)) return;
-    if (stride == 1) {
+    if (uneven) {
         notes_add(&g->notes, 1, "",
                   "an animation moves things so unevenly while the shutter is open that %d poses only "
                   "approximate it; shorten the shutter",
@@ -203,20 +242,11 @@ bool gltf_way_flattens(const gltf_way *way) {
     return isfinite(length) && !affine_invert(a, &inverse) && area > 1e-12 * length * length;
 }
 
-/* The cosine of half a quarter turn. Two axes that pass through zero look like half a turn from one pose to
- * the next. Real turns between poses are far smaller: a chord errs by at most 2^-8 of the way, so an arc is
- * below 15 degrees, or 64 of them are more than the tracers take. */
-#define QUARTER_COSINE 0.70710678
-
+/* From one pose to the next, an axis that passes through zero is reversed. Real turns are smaller than a
+ * right angle: a chord errs by at most 2^-8 of the way, so an arc is below 15 degrees, or there are 64. */
 bool gltf_way_can_blur(const gltf_way *way) {
-    affine_f64 inverse;
-    motion_parts before, here;
-    for (size_t k = 0; k < way->count; ++k, before = here) {
-        if (!affine_invert(&way->at[k], &inverse)) return false;
-        here = motion_take_apart(&way->at[k]);
-        if (k && (motion_turn_cosine(&before, &here) < QUARTER_COSINE ||
-                  (here.scale[2] > 0) != (before.scale[2] > 0)))
-            return false;
+    for (size_t k = 1; k < way->count; ++k) {
+        if (!keeps_sides(&way->at[k - 1], &way->at[k])) return false;
     }
     return true;
 }

@@ -91,7 +91,8 @@ typedef struct world_geometry {
 /* Motion as tracers need it: `steps` states at uniform times of the shutter interval [0, 1]. */
 typedef struct world_motion {
     uint32_t steps;      /* >= 2 */
-    motion_parts *parts; /* one per step; the rotations of neighbours are less than 3 degrees apart */
+    motion_parts *parts; /* one per step */
+    bool linear;         /* some neighbours turn by more than 3 degrees: matrices are interpolated */
 } world_motion;
 
 typedef struct world_vertex_motion {
@@ -166,6 +167,8 @@ void world_destroy(world *w);
 
 /* ---- motion: positions at a time of the shutter interval [0, 1] ---- */
 
+/* The matrix of a step, rounded to float. */
+affine_f64 world_motion_map(const world_motion *motion, uint32_t step);
 /* Sets *moved to a moving instance as it is at a time. */
 void world_move_instance(const world *w, const world_instance *instance, float time, world_instance *moved);
 /* The instance at a time: *moved, which is set, if it moves. */

@@ -23,8 +23,8 @@ static const uint32_t intervals[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32
 #define INTERVALS (sizeof intervals / sizeof *intervals)
 _Static_assert(WORLD_STEPS_MOST == 129, "the last of them");
 
-/* Rotations of neighbouring steps are less than 3 degrees apart. Below 3.6 degrees Embree interpolates on the
- * chord; above, on an arc that it only approximates, to about 1e-5. */
+/* Below 3.6 degrees from one step to the next, Embree interpolates rotations on the chord; above, on an arc
+ * that it only approximates, to about 1e-5. So faster motions are matrices. */
 #define TURN_COSINE 0.99965732 /* cosine of half of 3 degrees */
 
 /* ---- instances ---- */
@@ -50,30 +50,42 @@ static motion_parts rounded(const motion_parts *p) {
     return out;
 }
 
-static void sample(const way *y, uint32_t steps, motion_parts *out) {
+static void sample(const way *y, uint32_t steps, world_motion *out) {
+    out->steps = steps, out->linear = false;
     for (uint32_t k = 0; k < steps; ++k) {
         const double u = (double)k / (steps - 1);
         const affine_f64 at =
             y->place(y->user, k + 1 == steps ? y->close : y->open + u * (y->close - y->open));
         const motion_parts exact = motion_take_apart(&at);
-        out[k] = rounded(&exact);
+        out->parts[k] = rounded(&exact);
+        out->linear |= k && motion_turn_cosine(&out->parts[k - 1], &out->parts[k]) < TURN_COSINE;
     }
 }
 
-static bool turns_slowly(const motion_parts *parts, uint32_t steps) {
-    for (uint32_t k = 1; k < steps; ++k) {
-        if (motion_turn_cosine(&parts[k - 1], &parts[k]) < TURN_COSINE) return false;
+affine_f64 world_motion_map(const world_motion *motion, uint32_t step) {
+    affine_f64 out = motion_put_together(&motion->parts[step]);
+    for (int i = 0; i < 12; ++i) out.m[i / 4][i % 4] = (double)to_float(out.m[i / 4][i % 4]);
+    return out;
+}
+
+/* Between a step and the next one, as tracers interpolate. */
+static affine_f64 map_between(const world_motion *motion, uint32_t step, double u) {
+    if (!motion->linear) {
+        const motion_parts at = motion_on_chord(&motion->parts[step], &motion->parts[step + 1], u);
+        return motion_put_together(&at);
     }
-    return true;
+    affine_f64 out = world_motion_map(motion, step);
+    const affine_f64 next = world_motion_map(motion, step + 1);
+    for (int i = 0; i < 12; ++i)
+        out.m[i / 4][i % 4] = (1 - u) * out.m[i / 4][i % 4] + u * next.m[i / 4][i % 4];
+    return out;
 }
 
 /* The maximum position error of the box's corners at u in [0, 1] of the shutter interval. */
-static double off_at(const way *y, const motion_parts *parts, uint32_t steps, double u) {
+static double off_at(const way *y, const world_motion *motion, double u) {
     const affine_f64 exact = y->place(y->user, y->open + u * (y->close - y->open));
-    const double at = u * (steps - 1), whole = fmin(floor(at), steps - 2.0);
-    const motion_parts *from = &parts[(size_t)whole];
-    const motion_parts between = motion_on_chord(from, from + 1, at - whole);
-    const affine_f64 made = motion_put_together(&between);
+    const double at = u * (motion->steps - 1), whole = fmin(floor(at), motion->steps - 2.0);
+    const affine_f64 made = map_between(motion, (uint32_t)whole, at - whole);
     double most = 0;
     for (int i = 0; i < 8; ++i) {
         const vec3_f64 corner = bounds_corner(y->inside, i);
@@ -88,13 +100,13 @@ static double off_at(const way *y, const motion_parts *parts, uint32_t steps, do
 /* The largest error that was found, or the first above `enough`; NaN if there is one. A curve is farthest
  * from its chord near the middle, so each interval is looked at in its middle, and few intervals also beside
  * it. */
-static double find_error(const way *y, const motion_parts *parts, uint32_t steps, double enough) {
-    const uint32_t spans = steps - 1, looks = spans * ((LOOKS / spans) | 1);
+static double find_error(const way *y, const world_motion *motion, double enough) {
+    const uint32_t spans = motion->steps - 1, looks = spans * ((LOOKS / spans) | 1);
     double most = 0;
     for (size_t i = 0; i < looks + y->time_count && most <= enough; ++i) {
         const double u =
             i < looks ? ((double)i + 0.5) / looks : (y->times[i - looks] - y->open) / (y->close - y->open);
-        const double off = u > 0 && u < 1 ? off_at(y, parts, steps, u) : 0;
+        const double off = u > 0 && u < 1 ? off_at(y, motion, u) : 0;
         if (!(off <= most)) most = off;
     }
     return most;
@@ -108,12 +120,6 @@ static double slack_of(const way *y) {
     if (bounds_is_empty(&there)) return INFINITY;
     return 0x1p-14 * bounds_radius(&there) +
            0x1p-21 * (length_f64(bounds_center(&there)) + bounds_radius(&there));
-}
-
-static fathom_status refuse_spin(const world *w, fathom_id id) {
-    return scene_fail_instance(w->scene, id,
-                               "it turns by more than 380 degrees, or by more than 3 in a 128th of the time "
-                               "that the shutter is open; shorten the shutter");
 }
 
 static void keep_error(world *w, double error, fathom_id id) {
@@ -131,19 +137,17 @@ fathom_status world_add_motion(world *w, world_place_fn place, const void *user,
         return fail_memory(w->scene->context, WORLD_STEPS_MOST * sizeof *motion.parts);
     }
     y.slack = slack_of(&y);
-    bool slow = false, fine = false;
+    bool fine = false;
     for (size_t i = 0; i < INTERVALS && !fine; ++i) {
-        motion.steps = intervals[i] + 1;
-        sample(&y, motion.steps, motion.parts);
-        slow = turns_slowly(motion.parts, motion.steps);
-        fine = slow && find_error(&y, motion.parts, motion.steps, y.slack) <= y.slack;
+        sample(&y, intervals[i] + 1, &motion);
+        fine = !motion.linear && find_error(&y, &motion, y.slack) <= y.slack;
     }
     w->motions.items[w->motions.count - 1] = motion;
     w->moves = true;
-    if (!slow) return refuse_spin(w, id);
-    if (!fine) keep_error(w, find_error(&y, motion.parts, motion.steps, INFINITY), id);
+    const double error = fine ? 0 : find_error(&y, &motion, INFINITY);
+    if (!(error <= y.slack)) keep_error(w, error, id);
     instance->moving = (uint32_t)w->motions.count;
-    const affine_f64 first = motion_put_together(&motion.parts[0]);
+    const affine_f64 first = map_between(&motion, 0, 0);
     if (world_instance_set(instance, &first)) return FATHOM_OK;
     return scene_fail_instance(
         w->scene, id, "its frame, with those around it, flattens space or leaves the range of float");
@@ -152,9 +156,8 @@ fathom_status world_add_motion(world *w, world_place_fn place, const void *user,
 void world_move_instance(const world *w, const world_instance *instance, float time, world_instance *moved) {
     const world_motion *motion = &w->motions.items[instance->moving - 1];
     double u;
-    const motion_parts *from = &motion->parts[world_step(motion->steps, time, &u)];
-    const motion_parts between = motion_on_chord(from, from + 1, u);
-    const affine_f64 map = motion_put_together(&between);
+    const uint32_t step = world_step(motion->steps, time, &u);
+    const affine_f64 map = map_between(motion, step, u);
     *moved = *instance;
     world_instance_set(moved, &map);
 }

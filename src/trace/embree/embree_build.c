@@ -69,8 +69,21 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
     }
 }
 
+static void set_linear_motion(RTCGeometry geometry, const world_motion *motion) {
+    for (uint32_t k = 0; k < motion->steps; ++k) {
+        const affine_f64 map = world_motion_map(motion, k);
+        float rows[12];
+        for (int i = 0; i < 12; ++i) rows[i] = (float)map.m[i / 4][i % 4];
+        rtcSetGeometryTransform(geometry, k, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+    }
+}
+
 static void set_motion(RTCGeometry geometry, const world_motion *motion) {
     rtcSetGeometryTimeStepCount(geometry, motion->steps);
+    if (motion->linear) {
+        set_linear_motion(geometry, motion);
+        return;
+    }
     for (uint32_t k = 0; k < motion->steps; ++k) {
         const motion_parts *p = &motion->parts[k];
         const struct RTCQuaternionDecomposition step = {
