@@ -197,33 +197,57 @@ UNIT_TEST(a_blurred_figure_is_the_mean_of_still_ones) {
 
 /* ---- what cannot be blurred ---- */
 
-UNIT_TEST(what_cannot_blur_stands_and_is_named) {
+UNIT_TEST(what_cannot_blur_stands_as_in_the_middle_and_is_named) {
     fixture *f = *state;
     build b = {.size = 0};
     const int times = PUT_FLOATS(&b, "SCALAR", 2, 0.5f, 1),
               slide = PUT_FLOATS(&b, "VEC3", 2, 1, 0, 0, 8, 0, 0),
               flat = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 0, 1, 1),
-              flips = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 1, -1, -0.5f);
+              flips = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 1, -0.5f, -0.25f);
     const struct {
         const char *path, *way, *more, *said;
-        int output;
+        int output, entry; /* of the transform */
+        double shutter, middle;
     } cases[] = {{"translation", "STEP", "",
                   "nodes[0] (\"it\"): a node jumps while the shutter is open, by STEP, and is not blurred",
-                  slide},
+                  slide, 3, 1, 8},
                  {"scale", "LINEAR", "",
-                  "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flat},
+                  "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flat, 0,
+                  0.5, 0.5},
                  {"scale", "LINEAR", "",
-                  "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flips},
+                  "nodes[0] (\"it\"): a node is flat or turned inside out while the shutter is open", flips,
+                  5, 0.5, 0.25},
                  {"translation", "LINEAR", ",'extensions':{'KHR_lights_punctual':{'light':0}}",
-                  "nodes[0] (\"it\"): a light moves while the shutter is open, and is not blurred", slide}};
+                  "nodes[0] (\"it\"): a light moves while the shutter is open, and is not blurred", slide, 3,
+                  0.5, 4.5}};
     for (int i = 0; i < 4; ++i) {
         build own = b;
         write_channel(f, &own, cases[i].path, cases[i].way, cases[i].more, times, cases[i].output);
-        fathom_scene *scene = read_blurred(f, 0.5, 0.5);
+        fathom_scene *scene = read_blurred(f, 0.5, cases[i].shutter);
         assert_int_equal(f->warnings, 1);
         if (!strstr(f->warning, cases[i].said)) fail_msg("%s", f->warning);
         assert_int_equal(scene->instances.items[0].key_count > 0, i == 3);
+        const double found =
+            i == 3 ? scene->lights.items[0].position[0] : scene->instances.items[0].transform[cases[i].entry];
+        assert_near(found, cases[i].middle, 1e-12);
     }
+}
+
+/* A morph target that moves all points by 4 along x, by a weight that grows from 0 to 1. */
+UNIT_TEST(points_stand_as_in_the_middle) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int positions = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
+              target = PUT_FLOATS(&b, "VEC3", 3, 4, 0, 0, 4, 0, 0, 4, 0, 0),
+              times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), weights = PUT_FLOATS(&b, "SCALAR", 2, 0, 1);
+    build_write(
+        f, &b,
+        "'meshes':[{'primitives':[{'mode':0,'attributes':{'POSITION':%d},'targets':[{'POSITION':%d}]}]}],"
+        "'nodes':[{'mesh':0}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':["
+        "{'sampler':0,'target':{'node':0,'path':'weights'}}]}]",
+        positions, target, times, weights);
+    const fathom_scene *scene = read_blurred(f, 0, 1);
+    assert_near((double)scene->meshes.items[0].positions[0], 2, 0);
 }
 
 int main(void) { return unit_main_each(set_up, tear_down); }

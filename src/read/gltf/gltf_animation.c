@@ -221,17 +221,16 @@ static channel_target read_target(gltf *g, const gltf_value *channel) {
     return t;
 }
 
-/* A STEP sampler cannot be blurred: the node keeps its pose at the opening of the shutter. */
+/* A STEP sampler cannot be blurred: the node keeps its pose of the middle of the shutter time. */
 static double time_to_pose(gltf *g, const gltf_moment *m, const sampler *s, uint32_t node) {
-    const double open = g->moments.items[0].time;
-    const size_t keys = find_key(s, open + gltf_shutter(g)) - find_key(s, open);
+    const double open = g->moments.items[0].time, shutter = gltf_shutter(g);
+    const size_t keys = find_key(s, open + shutter) - find_key(s, open);
     if (keys > g->keys_inside) g->keys_inside = keys;
     if (s->way != STEP) return m->time;
     if (keys)
         gltf_note_node(g, node,
-                       "a node jumps while the shutter is open, by STEP, and is not blurred; it is shown as "
-                       "it is when the shutter opens");
-    return open;
+                       "a node jumps while the shutter is open, by STEP, and is not blurred; " GLTF_HELD);
+    return open + shutter / 2;
 }
 
 /* By the specification, no channel moves a node that has a matrix: nothing says which part of the matrix it

@@ -82,7 +82,7 @@ static bool read_light(gltf *g, const gltf_value *at, fathom_light *out) {
 }
 
 void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
-    const affine_f64 *to_world = &way->at[0];
+    const affine_f64 middle = gltf_way_middle(way), *to_world = &middle;
     gltf_value extensions, punctual, at;
     uint32_t index = GLTF_ABSENT;
     fathom_light light;
@@ -93,8 +93,7 @@ void gltf_light_place(gltf *g, const gltf_value *node, const gltf_way *way) {
     if (!read_light(g, &at, &light)) return;
     if (gltf_way_moves(way))
         gltf_note_node(g, (uint32_t)node->at.index,
-                       "a light moves while the shutter is open, and is not blurred; it is shown as it is "
-                       "when the shutter opens");
+                       "a light moves while the shutter is open, and is not blurred; " GLTF_HELD);
     const vec3_f64 along = affine_vector(to_world, (vec3_f64){0, 0, -1});
     if (light.type != FATHOM_LIGHT_POINT && !(length_f64(along) > 0)) {
         gltf_note(g, node, NULL, "a light is scaled to nothing, and left out");

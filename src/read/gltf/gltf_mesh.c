@@ -258,8 +258,8 @@ static float *new_keys(gltf *g, const primitive *p) {
 }
 
 /* Rows of an attribute at each moment. */
-static const float *read_keys(gltf *g, const primitive *p, const char *key, gltf_kind kind,
-                              const gltf_elements *stored) {
+static float *read_keys(gltf *g, const primitive *p, const char *key, gltf_kind kind,
+                        const gltf_elements *stored) {
     const size_t row = 3 * (size_t)p->mesh.vertex_count;
     float *all = new_keys(g, p), *rows = all;
     for (size_t k = 0; k < g->moments.count && gltf_fine(g); ++k, rows += row) {
@@ -292,6 +292,18 @@ static void move_vertices(gltf *g, primitive *p) {
         m->key_normals = make_key_normals(g, p);
     m->key_count = (uint32_t)g->moments.count, m->key_times = g->key_times;
     if (gltf_fine(g)) gltf_within(g, p->at, NULL, mesh_check_vertex_keys(g->context, m, &p->facts));
+}
+
+/* Sets the positions of points and lines to those of the middle of the shutter time. As gltf_way_middle(). */
+static void hold_vertices(gltf *g, primitive *p) {
+    const size_t row = 3 * (size_t)p->mesh.vertex_count, moments = g->moments.count;
+    float *rows = read_keys(g, p, "POSITION", GLTF_POINT, &p->positions);
+    float *middle = gltf_fine(g) ? rows + moments / 2 * row : NULL;
+    for (size_t i = 0; middle && moments == 2 && i < row; ++i) middle[i] = (rows[i] + middle[i]) / 2;
+    p->mesh.positions = middle, p->mesh.position_stride = 3 * sizeof *middle;
+    gltf_note(g, p->at, NULL,
+              "points and lines that a skin or morph targets move are not blurred; they are shown as "
+              "they are in the middle of the shutter time");
 }
 
 static uint64_t bytes_of(const fathom_mesh *mesh) {
@@ -334,12 +346,9 @@ static void add_primitive(gltf *g, const gltf_value *at, const gltf_shape *shape
     } else if (p.mode < MODE_TRIANGLES) {
         read_material(g, &p);
         read_colors(g, &p);
+        if (gltf_fine(g) && moves) hold_vertices(g, &p);
         if (gltf_fine(g)) read_strokes(g, &p);
         note_unread(g, &p);
-        if (moves)
-            gltf_note(g, at, NULL,
-                      "points and lines that a skin or morph targets move are not blurred; they are shown as "
-                      "they are when the shutter opens");
     } else {
         read_surface(g, &p);
         if (gltf_fine(g) && moves && p.mesh.triangle_count) move_vertices(g, &p);

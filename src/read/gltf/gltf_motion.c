@@ -230,6 +230,14 @@ bool gltf_way_moves(const gltf_way *way) {
     return false;
 }
 
+/* The number of poses is odd, or 2, between which all moves evenly. */
+affine_f64 gltf_way_middle(const gltf_way *way) {
+    affine_f64 out = way->at[way->count / 2];
+    for (int i = 0; i < 12 && way->count == 2; ++i)
+        out.m[i / 4][i % 4] = 0.5 * way->at[0].m[i / 4][i % 4] + 0.5 * way->at[1].m[i / 4][i % 4];
+    return out;
+}
+
 bool gltf_way_mirrors(const gltf_way *way) { return affine_determinant(&way->at[0]) < 0; }
 
 bool gltf_way_flattens(const gltf_way *way) {

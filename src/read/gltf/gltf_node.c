@@ -52,12 +52,7 @@ static void add_instance(gltf *g, const gltf_value *node, fathom_id group, const
         gltf_note(g, node, NULL, "is scaled to nothing, and left out");
         return;
     }
-    const bool moves = gltf_way_moves(way), blurs = moves && gltf_way_can_blur(way);
-    if (moves && !blurs)
-        gltf_note_node(g, (uint32_t)node->at.index,
-                       "a node is flat or turned inside out while the shutter is open, and not blurred; it "
-                       "is shown as it is when the shutter opens");
-    if (blurs) {
+    if (gltf_way_moves(way)) {
         instance.key_count = (uint32_t)way->count, instance.key_times = g->key_times;
         instance.key_transforms = &way->at[0].m[0][0];
     }
@@ -120,13 +115,27 @@ static void add_many(gltf *g, const gltf_value *node, const gltf_value *instanci
     }
 }
 
-static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world) {
+/* Replaces the way of a mesh's node that tracers cannot follow. The way of a skin is that of its joints, and
+ * a mesh that is flat at first is posed as if it had one. */
+static void hold_way(gltf *g, const gltf_value *node, gltf_way *way) {
+    if (json_object_get(node->json, "skin") || !gltf_way_moves(way) || gltf_way_flattens(way) ||
+        gltf_way_can_blur(way))
+        return;
+    gltf_note_node(
+        g, (uint32_t)node->at.index,
+        "a node is flat or turned inside out while the shutter is open, and not blurred; " GLTF_HELD);
+    const affine_f64 middle = gltf_way_middle(way);
+    for (size_t k = 0; k < way->count; ++k) way->at[k] = middle;
+}
+
+static void place_mesh(gltf *g, const gltf_value *node, gltf_way way) {
     uint32_t mesh = GLTF_ABSENT;
     gltf_value extensions, instancing;
     const gltf_joints *joints = NULL;
     gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (mesh == GLTF_ABSENT) return;
-    const fathom_id group = gltf_shape_mesh(g, node, mesh, to_world, &joints);
+    hold_way(g, node, &way);
+    const fathom_id group = gltf_shape_mesh(g, node, mesh, &way, &joints);
     gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (!gltf_fine(g) || group == GLTF_EMPTY) return;
     if (joints) {
@@ -137,9 +146,9 @@ static void place_mesh(gltf *g, const gltf_value *node, const gltf_way *to_world
                       "the instances of a mesh with a skin, or that a node flattens, are left out but one");
         add_instance(g, node, group, &moved);
     } else if (instancing.json) {
-        add_many(g, node, &instancing, group, to_world);
+        add_many(g, node, &instancing, group, &way);
     } else {
-        add_instance(g, node, group, to_world);
+        add_instance(g, node, group, &way);
     }
 }
 
@@ -174,7 +183,7 @@ static void visit(gltf *g, walk *w, const step *at) {
     const bool hidden = !is_visible(g, &node) || at->hidden;
     if (!gltf_fine(g)) return;
     g->scene->hides |= hidden;
-    if (!hidden) place_mesh(g, &node, &to_world);
+    if (!hidden) place_mesh(g, &node, to_world);
     if (g->options->surroundings) {
         gltf_camera_note(g, &node, at->link);
         if (!hidden) gltf_light_place(g, &node, &to_world);

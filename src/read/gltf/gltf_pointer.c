@@ -1,6 +1,6 @@
 /* KHR_animation_pointer: animated values that are neither a node's transform nor its weights, such as colours
- * of materials, places of textures, cameras and lights. The value as the shutter opens replaces that of the
- * document before its reader sees it. */
+ * of materials, places of textures, cameras and lights. The value of the middle of the shutter time replaces
+ * that of the document before its reader sees it. */
 #include "read/gltf/gltf_data.h"
 #include "read/gltf/gltf_keys.h"
 #include "read/gltf/gltf_pose.h"

@@ -83,6 +83,9 @@ void gltf_node_way(gltf *g, uint32_t link, gltf_way *out);
 /* The motion of an object with the transform `inner` inside a parent with the motion `way`. */
 void gltf_way_of(const gltf_way *way, const affine_f64 *inner, gltf_way *out);
 bool gltf_way_moves(const gltf_way *way);
+/* The transform in the middle of the shutter time: that of everything that is not blurred. */
+affine_f64 gltf_way_middle(const gltf_way *way);
+#define GLTF_HELD "it is shown as it is in the middle of the shutter time"
 /* True if the first transform mirrors. */
 bool gltf_way_mirrors(const gltf_way *way);
 /* True if the first transform leaves a plane, and no volume. */
