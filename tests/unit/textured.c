@@ -130,23 +130,27 @@ UNIT_TEST(an_image_stands_upright_on_a_quad_texel_by_texel) {
     }
 }
 
-/* Stripes of 32 texels that lead away from a viewer just above them. Half a pixel is at most 0.047 wide, less
- * than a texel of 0.0625 where the image repeats once, but up to 15 times as long. */
-static fathom_film *render_stripes(fathom_texture_filter filter, int map, float repeats) {
+static fathom_id add_stripes(stage *s, fathom_texture_filter filter) {
     enum { ACROSS = 32 };
     unsigned char rgb[ACROSS * ACROSS * 3];
     for (unsigned i = 0; i < sizeof rgb; ++i) rgb[i] = i / 3 % 2 ? 255 : 0;
+    const picture p = new_picture(ACROSS, ACROSS, rgb);
+    return add_filtered(s, &p, FATHOM_WRAP_REPEAT, filter);
+}
+
+/* Stripes of 32 texels that lead away from a viewer just above them. Half a pixel is at most 0.047 wide, less
+ * than a texel of 0.0625 where the image repeats once, but up to 15 times as long. */
+static fathom_film *render_stripes(fathom_texture_filter filter, int map, float repeats) {
     stage s = stage_open(24, 24);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 4;
     fathom_material m = default_material();
-    const picture p = new_picture(ACROSS, ACROSS, rgb);
     if (map != FATHOM_MAP_COLOR) {
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
         m.clearcoat = m.clearcoat_roughness = m.iridescence = m.anisotropy = m.sheen_roughness = 0.7f;
         for (int c = 0; c < 3; ++c) m.sheen_color[c] = 0.5f;
     }
-    m.maps[map].texture = add_filtered(&s, &p, FATHOM_WRAP_REPEAT, filter);
+    m.maps[map].texture = add_stripes(&s, filter);
     m.maps[map].transform[0] = m.maps[map].transform[4] = repeats;
     add_square(&s, stage_material(&s, &m));
     stage_point_light(&s, 0, 0, 3, 20);
@@ -182,6 +186,36 @@ UNIT_TEST(distance_averages_no_normals_roughness_or_layers) {
                                FATHOM_MAP_CLEARCOAT_NORMAL,
                                FATHOM_MAP_ANISOTROPY};
     for (size_t i = 0; i < sizeof maps / sizeof *maps; ++i) check_stripes(maps[i], 16);
+}
+
+/* A volume of the priority 2 is around all. A ball of the priority 1 in it, which it hides, is around the
+ * square. Only a ceiling is seen. */
+static fathom_film *render_hidden_ball(fathom_texture_filter filter) {
+    stage s = stage_open(8, 8);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0, s.settings.spp = 16;
+    fathom_material volume = default_material(), rough = default_material();
+    rough.model = volume.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+    volume.metallic = volume.roughness = 0, volume.transmission = volume.thickness = 1;
+    volume.priority = 2;
+    stage_sphere(&s, 0, 0, 0, 20, stage_material(&s, &volume));
+    volume.priority = 1;
+    stage_sphere(&s, 0, 0, 0, 2, stage_material(&s, &volume));
+    rough.maps[FATHOM_MAP_ROUGHNESS].texture = add_stripes(&s, filter);
+    add_square(&s, stage_material(&s, &rough));
+    stage_quad(&s, (double[]){0, 0, 5}, (double[]){4, 0, 0}, (double[]){0, 4, 0}, stage_lambert(&s, 0.5f));
+    assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){1, 1, 1}));
+    stage_camera(&s, (double[]){0, 0, 3}, (double[]){0, 0, 5}, (double[]){0, 1, 0}, 0.9);
+    return stage_render(&s);
+}
+
+UNIT_TEST(a_hidden_surface_does_not_bring_texels_back_that_scattered_rays_average) {
+    fathom_film *exact = render_hidden_ball(FATHOM_TEXTURE_LINEAR),
+                *averaged = render_hidden_ball(FATHOM_TEXTURE_TRILINEAR);
+    unsigned differ = 0;
+    for (uint32_t i = 0; i < 64; ++i)
+        differ += value(exact, 'R', i % 8, i / 8) != value(averaged, 'R', i % 8, i / 8);
+    assert_true(differ > 0);
 }
 
 UNIT_TEST(each_uv_set_has_its_own_place) {

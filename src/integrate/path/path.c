@@ -47,10 +47,11 @@ static float width_at(const path_wave *p, const vertex_block *v, unsigned i) {
     return p->width[slot] + p->spread[slot] * sqrtf(dot_f32(way, way));
 }
 
-/* Bits of the lanes whose paths have met only smooth surfaces. */
+/* Bits of the lanes whose paths have met only smooth surfaces: none has widened the cone. */
 static uint32_t seen_lanes(const path_wave *p, const vertex_block *v) {
+    const float spread = p->wave.run.plan->pixel_spread;
     uint32_t seen = 0;
-    for (unsigned i = 0; i < LANES; ++i) seen |= p->density[v->path.slot[i]] < INFINITY ? 0 : 1u << i;
+    for (unsigned i = 0; i < LANES; ++i) seen |= p->spread[v->path.slot[i]] > spread ? 0 : 1u << i;
     return seen;
 }
 
