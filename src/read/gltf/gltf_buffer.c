@@ -3,6 +3,7 @@
 #include "read/gltf/gltf_data.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -163,22 +164,32 @@ static const char *decode_base64(const char *text, unsigned char *out, size_t *s
 
 bool gltf_is_data(const char *uri) { return strncasecmp(uri, "data:", 5) == 0; }
 
-void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out) {
+/* An image is left out, as one is whose file is missing. */
+static void reject_data(gltf *g, const gltf_value *at, bool image, const char *why) {
+    if (image)
+        gltf_note(g, at, "uri", "%s; the image is left out", why);
+    else
+        gltf_fail(g, at, "uri", "%s", why);
+}
+
+void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, bool image, gltf_buffer *out) {
     static const char mark[] = ";base64";
     const size_t mark_length = sizeof mark - 1;
     const char *comma = strchr(uri, ',');
     if (!comma || (size_t)(comma - uri) < mark_length ||
         strncasecmp(comma - mark_length, mark, mark_length) != 0) {
-        gltf_fail(g, at, "uri", "is a data URI without \";base64,\"; expected base64");
+        reject_data(g, at, image, "is a data URI without \";base64,\"; expected base64");
         return;
     }
+    char why[64];
     size_t size;
     void *bytes;
     if (gltf_fine(g)) g->status = scene_allocate(g->scene, (strlen(comma + 1) + 3) / 4 * 3, &bytes);
     if (!gltf_fine(g)) return;
     const char *wrong = decode_base64(comma + 1, bytes, &size);
+    if (wrong) snprintf(why, sizeof why, "is not base64 from its character %zu on", (size_t)(wrong - uri));
     if (wrong)
-        gltf_fail(g, at, "uri", "is not base64 from its character %zu on", (size_t)(wrong - uri));
+        reject_data(g, at, image, why);
     else
         *out = (gltf_buffer){.bytes = bytes, .size = size};
 }
@@ -261,7 +272,7 @@ static void load(gltf *g, const gltf_value *at, gltf_buffer *out) {
     const char *uri = NULL;
     gltf_text(g, at, "uri", &uri);
     if (uri && gltf_is_data(uri))
-        gltf_data_uri(g, at, uri, out);
+        gltf_data_uri(g, at, uri, false, out);
     else if (uri)
         load_file(g, at, uri, out);
     else if (at->at.index || !g->binary)

@@ -29,9 +29,10 @@ fathom_status gltf_buffer_load(gltf *g, uint32_t index, gltf_buffer **out);
 /* Transfers ownership of the buffer's bytes to the scene. Call it before the scene gets pointers into
  * them. */
 void gltf_buffer_share(gltf *g, gltf_buffer *buffer);
-/* gltf_is_data(): true if `uri` is a data URI. gltf_data_uri(): its bytes, owned by the scene. */
+/* gltf_is_data(): true if `uri` is a data URI. gltf_data_uri(): its bytes, owned by the scene;
+ * if it is broken, an error, or a note for an image, which then has none. */
 bool gltf_is_data(const char *uri);
-void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, gltf_buffer *out);
+void gltf_data_uri(gltf *g, const gltf_value *at, const char *uri, bool image, gltf_buffer *out);
 /* The path of the image that a uri names; release it with free(). NULL: there is no such file, which adds a
  * note. */
 char *gltf_image_path(gltf *g, const gltf_value *at, const char *uri);

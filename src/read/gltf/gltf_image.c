@@ -30,7 +30,7 @@ void gltf_image_open(gltf *g, const gltf_value *at, fathom_texture *out, char **
         gltf_note(g, at, NULL, "an image with neither uri nor bufferView is left out");
     } else if (gltf_is_data(uri)) {
         gltf_buffer *bytes = &g->image_table[at->at.index].data;
-        if (!bytes->bytes) gltf_data_uri(g, at, uri, bytes);
+        if (!bytes->bytes) gltf_data_uri(g, at, uri, true, bytes);
         out->bytes = bytes->bytes, out->byte_count = (size_t)bytes->size;
     } else {
         out->file = *path = gltf_image_path(g, at, uri);
