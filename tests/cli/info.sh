@@ -348,10 +348,11 @@ said out.txt 'wide.json:5: camera.lensRadius: expected units of the scene; 25 se
 sed 's/45/-0.79/; s/0.4/400/; s/55/0.36/; s/50/0.05/' units.json >usual.json
 run 0 info usual.json
 said out.txt 'problems  none'
-# Radians, and colours as bytes. The views and cones that lenses and lamps have, small turns and probes are in degrees.
+# Radians, and colours as bytes. The views of lenses and telescopes, cones of lamps and search lights, small turns and
+# probes are in degrees.
 cat >radians.json <<'JSON'
 { "camera": { "eye": [0, 0, 5], "target": [0, 0, 0], "lensRadius": 0.1, "blades": 6,
-"fovy": 0.8,
+"fovy": 0.6981,
 "bladeRotation": 0.5236 },
 "materials": { "m": { "kdTexture": { "file": "image.png",
 "rotation": 1.5708 } } },
@@ -367,7 +368,7 @@ printf 'PF\n1 1\n-1.0\n\0\0\200\77\0\0\200\77\0\0\200\77' >sky.pfm
 run 0 info radians.json
 problems >found.txt
 cat >expected.txt <<'TXT'
-  radians.json:2: camera.fovy: expected degrees; 0.8 seems to be in radians, which are 45.84 degrees
+  radians.json:2: camera.fovy: expected degrees; 0.6981 seems to be in radians, which are 40 degrees
   radians.json:3: camera.bladeRotation: expected degrees; 0.5236 seems to be in radians, which are 30 degrees
   radians.json:5: materials.m.kdTexture.rotation: expected degrees; 1.5708 seems to be in radians, which are 90 degrees
   radians.json:7: lights[0].outerAngle: expected degrees; 0.785 seems to be in radians, which are 44.98 degrees
@@ -376,8 +377,8 @@ cat >expected.txt <<'TXT'
   radians.json:12: objects[1].colors: expected factors, such as 0.5; the numbers seem to be bytes up to 255
 TXT
 diff expected.txt found.txt || die 'radians'
-for view in 0.05 45; do
-    sed "s/0\.8,/$view,/; s/0\.5236/15/; s/1\.5708/2/; s/0\.785/1.7/; s/3\.14/3/; s/-1\.57/5.5/; s/255, 0/2.5, 0/" radians.json >usual.json
+for view in 0.05 0.5 0.8 1 2 45; do
+    sed "s/0\.6981,/$view,/; s/0\.5236/15/; s/1\.5708/2/; s/0\.785/1/; s/3\.14/3/; s/-1\.57/5.5/; s/255, 0/2.5, 0/" radians.json >usual.json
     run 0 info usual.json
     said out.txt 'problems  none'
 done

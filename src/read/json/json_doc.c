@@ -118,8 +118,8 @@ static bool in_range(form_range r, double x) {
     return r.open & FORM_OPEN_HIGH ? x < r.high : x <= r.high;
 }
 
-static bool is_common_turn(double radians) {
-    static const double degrees[] = {30, 45, 60, 90, 120, 135, 180, 270, 360};
+static bool is_common_angle(double radians) {
+    static const double degrees[] = {30, 40, 45, 50, 60, 75, 90, 120, 135, 180, 270, 360};
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees; ++i)
         if (fabs(fabs(radians) * (180 / 3.14159265358979323846) / degrees[i] - 1) < 1e-3) return true;
     return false;
@@ -129,7 +129,7 @@ static void warn_unit(const doc *d, const where *at, const form_unit *unit, doub
     const bool within = fabs(x) >= unit->low && fabs(x) <= unit->high;
     if (x == 0) return;
     if (unit->name && !within) doc_warn(d, at, "expected %s; %g seems to be in another unit", unit->name, x);
-    if (!unit->name && (unit->high > 0 ? within : is_common_turn(x)))
+    if (!unit->name && is_common_angle(x))
         doc_warn(d, at, "expected degrees; %g seems to be in radians, which are %.4g degrees", x,
                  x * (180 / 3.14159265358979323846));
 }

@@ -22,8 +22,7 @@
 
 static const char group_name[] = "^[A-Za-z0-9_]{1,31}$";
 
-/* No usual lens shows less than 3.2 degrees; views below 0.1 are probes of one point. */
-static const form_unit view_unit = {NULL, 0.1, 3.2}, cone_unit = {NULL, 0.1, 1.6}, turn_unit = {NULL, 0, 0};
+static const form_unit degrees = {NULL, 0, 0};
 
 /* ---- frames and placement ---- */
 
@@ -39,7 +38,7 @@ const form form_frame = {.name = "frame", .parts = {frame_keys}, .rules = {frame
 
 static const form_key turn_keys[] = {
     {"axis", FORM_F64, AT(form_turn_values, axis), .count = 3, .nonzero = true, .required = true},
-    {"angle", FORM_F64, AT(form_turn_values, angle), .required = true, .unit = &turn_unit},
+    {"angle", FORM_F64, AT(form_turn_values, angle), .required = true, .unit = &degrees},
     END_KEYS,
 };
 const form form_turn = {.name = "rotate", .parts = {turn_keys}};
@@ -88,7 +87,7 @@ static const form_rule view_rules[] = {
 };
 static const form_key camera_keys[] = {
     {"fovy", FORM_F64, AT(form_camera_values, fovy), .range = {0, 180, FORM_OPEN_LOW | FORM_OPEN_HIGH},
-     .unit = &view_unit},
+     .unit = &degrees},
     {"orthographic", FORM_F64, AT(form_camera_values, orthographic), POSITIVE},
     {"d", FORM_F64, AT(form_camera_values, d), POSITIVE},
     {"w", FORM_F64, AT(form_camera_values, w), POSITIVE},
@@ -98,7 +97,7 @@ static const form_key camera_keys[] = {
     {"focalLength", FORM_F64, AT(form_camera_values, focal_length), POSITIVE},
     {"focusDistance", FORM_F64, AT(form_camera_values, focus_distance), POSITIVE},
     {"blades", FORM_U32, AT(form_camera_values, blades), .range = {3, 64, 0}},
-    {"bladeRotation", FORM_F64, AT(form_camera_values, blade_rotation), .unit = &turn_unit},
+    {"bladeRotation", FORM_F64, AT(form_camera_values, blade_rotation), .unit = &degrees},
     {"nearClip", FORM_F64, AT(form_camera_values, near_clip), .range = {0, INFINITY}},
     {"farClip", FORM_F64, AT(form_camera_values, far_clip), POSITIVE},
     {"shutter", FORM_F64, AT(form_camera_values, shutter), .count = 2},
@@ -149,7 +148,7 @@ static const form_key texture_keys[] = {
     {"inverted", FORM_BOOL, AT(form_texture_values, inverted)},
     {"uvSet", FORM_U32, AT(form_texture_values, uv_set), UNIT},
     {"scale", FORM_F64, AT(form_texture_values, scale), .count = 2, .range = {-1e6, 1e6, 0}},
-    {"rotation", FORM_F64, AT(form_texture_values, rotation), .unit = &turn_unit},
+    {"rotation", FORM_F64, AT(form_texture_values, rotation), .unit = &degrees},
     {"offset", FORM_F64, AT(form_texture_values, offset), .count = 2, .range = {-1e6, 1e6, 0}},
     {"wrapU", FORM_WORD, AT(form_texture_values, wrap_u), .words = wrap_words},
     {"wrapV", FORM_WORD, AT(form_texture_values, wrap_v), .words = wrap_words},
@@ -281,7 +280,7 @@ static const form_key sun_keys[] = {
 };
 static const form_key environment_keys[] = {
     {"file", FORM_TEXT, AT(form_light_values, file), .required = true, .words = "."},
-    {"rotation", FORM_F64, AT(form_light_values, rotation), .unit = &turn_unit},
+    {"rotation", FORM_F64, AT(form_light_values, rotation), .unit = &degrees},
     {"up", FORM_F64, AT(form_light_values, up), .count = 3, .nonzero = true},
     END_KEYS,
 };
@@ -290,7 +289,7 @@ static const form_key spot_keys[] = {
     {"target", FORM_F64, AT(form_light_values, target), .count = 3},
     {"innerAngle", FORM_F64, AT(form_light_values, inner_angle), .range = {0, 90, FORM_OPEN_HIGH}},
     {"outerAngle", FORM_F64, AT(form_light_values, outer_angle), .range = {0, 90, FORM_OPEN_LOW},
-     .unit = &cone_unit},
+     .unit = &degrees},
     END_KEYS,
 };
 static const form_rule spot_rules[] = {{FORM_ONE_OF, NULL, {"direction", "target"}}, END_RULES};

@@ -32,11 +32,10 @@ typedef struct form_range {
     unsigned open;    /* ends that are out of range, or 0 */
 } form_range;
 
-/* The unit of a key, and the numbers that seem to be in another one. 0 is in any. */
+/* The unit of a key. Magnitudes beyond [low, high] seem to be in another one; 0 is in any. */
 typedef struct form_unit {
-    const char *name; /* NULL: degrees */
-    /* Usual magnitudes are in [low, high]. For degrees: magnitudes in [low, high] seem to be radians; both 0:
-     * a common turn in radians does. */
+    const char *name; /* NULL: degrees. A common angle in radians seems to be in radians: telescopes and
+                         search lights have angles as small as radians are */
     double low, high;
 } form_unit;
 
