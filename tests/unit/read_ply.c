@@ -288,6 +288,17 @@ UNIT_TEST(unused_properties_are_reported) {
     }
 }
 
+UNIT_TEST(a_property_of_one_letter_is_no_colour) {
+    ply_maker m;
+    ply_header(&m, LITTLE, XYZ "property float r\n" FACES(1) "property float a\n", 0);
+    ROW(&m, "ffff ffff", 0, 0, 0, 5, 1, 0, 0, 5);
+    ROW(&m, "ffff ffff", 1, 1, 0, 5, 0, 1, 0, 5);
+    ROW(&m, "biiiif", 4, 0, 1, 2, 3, 7);
+    ply_read(&m);
+    expect_warning("element vertex: the property r is not used (4 such)");
+    expect_warning("element face: the property a is not used (1 such)");
+}
+
 /* Without faces each vertex is a point, in its colour. */
 UNIT_TEST(clouds_of_points_are_spheres) {
     for (int flavour = 0; flavour < FLAVOURS; ++flavour) {

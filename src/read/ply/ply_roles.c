@@ -202,10 +202,15 @@ bool ply_find_roles(ply_reader *r) {
 
 /* ---- unused parts ---- */
 
-static bool is_color(const char *name) {
-    bool is = false;
-    for (int c = 0; c < 4; ++c) is |= words_find(color_names[c], name, strlen(name)) >= 0;
-    return is;
+/* An opacity, or a letter, is one only next to a whole colour: r may be a radius, and a an area. */
+static bool is_color(const ply_element *element, const char *name) {
+    bool whole = true;
+    int channel = 4;
+    for (int c = 0; c < 4; ++c) {
+        if (words_find(color_names[c], name, strlen(name)) >= 0) channel = c;
+        whole &= c == 3 || find_property(element, color_names[c]) >= 0;
+    }
+    return channel < (whole ? 4 : strlen(name) > 1 ? 3 : 0);
 }
 
 static void note_properties(ply_reader *r, size_t index) {
@@ -216,7 +221,7 @@ static void note_properties(ply_reader *r, size_t index) {
         if (element->properties.items[i].role >= 0 ||
             (index == r->face_element && (i == r->index_list || i == r->uv_list)))
             continue;
-        if (is_color(name))
+        if (is_color(element, name))
             colors = true;
         else
             notes_add_at(&r->notes, (size_t)element->count, &r->file, element->line, false,
