@@ -35,12 +35,13 @@ typedef struct scene_camera {
 } scene_camera;
 
 /* Parts of a scene that can turn out to be wrong after reading: an instance that moves, an environment, a
- * texture, its color space. */
+ * texture, its color space, its alpha. */
 typedef enum scene_part {
     SCENE_PART_MOVED,
     SCENE_PART_ENVIRONMENT,
     SCENE_PART_TEXTURE,
-    SCENE_PART_COLOR_SPACE
+    SCENE_PART_COLOR_SPACE,
+    SCENE_PART_ALPHA
 } scene_part;
 
 /* The place in the scene's file that gives a part: for messages. */

@@ -129,6 +129,15 @@ static void check_normals(fathom_context *context, const fathom_scene *scene, fa
     }
 }
 
+/* Warns if the scene's file asks for an alpha that the image lacks. Models may: their alpha is then 1. */
+static void check_alpha(fathom_context *context, const fathom_scene *scene, fathom_id id,
+                        const cache_image *img) {
+    const fathom_place *at = scene_origin_find(scene, SCENE_PART_ALPHA, id);
+    if (at && img->info.channels % 2 == 1)
+        warn(context, "%s: %s: %s has no alpha, so the channel a is 1", at->file, at->field,
+             cache_name(img->texture));
+}
+
 static fathom_status fail_image(fathom_context *context, const cache_image *img, fathom_status status,
                                 const char *why) {
     fail_file(context, status, cache_name(img->texture), "cannot be read as a texture: %s", why);
@@ -234,6 +243,7 @@ static fathom_status open_all(texture_cache *cache, fathom_context *context, con
         const fathom_texture *t = &scene->textures.items[i];
         cache_image *img = find_image(cache, t);
         if (!img) status = open_image(cache, context, scene, (fathom_id)i, &img);
+        if (status == FATHOM_OK) check_alpha(context, scene, (fathom_id)i, img);
         cache->slots[i] = (cache_slot){img, t->wrap_u, t->wrap_v, t->filter};
     }
     return status;

@@ -54,6 +54,12 @@ refused 3 'cut.json:1: materials.m.kdTexture.file: cut.png: cannot be read as a 
 sed 's/cut.png/large.ppm/' cut.json >large.json
 TMPDIR=$PWD/none refused 4 'none: cannot hold a temporary file of 2.5 MB for textures: No such file or directory' \
     render large.json -o b.png --texture-memory 1M
+# An alpha that the image lacks: of two images of a material, the one that asks for it.
+sed 's/"kdTexture": {\([^}]*\)}/"kdTexture": {\1}, "opacityTexture": {\1, "channel": "a"}/; s/cut.png/heights.pgm/g' cut.json >alpha.json
+printf 'P5\n2 1\n255\nab' >heights.pgm
+run 0 render alpha.json -o b.png --size 8x8 --spp 4
+[ "$(grep -c 'alpha.json: materials.m.opacityTexture.channel: heights.pgm has no alpha, so the channel a is 1' err.txt)" = 1 ] ||
+    die 'an image without alpha'
 # Heights in place of normals: a grey image tilts all normals alike.
 printf 'P5\n2 1\n255\nab' >heights.pgm
 sed 's/kdTexture/bumpTexture/; s/cut.png/heights.pgm/' cut.json >bump.json

@@ -68,7 +68,7 @@ static void warn_texture(const object_reader *r, const where *at, json_t *value,
 
 static fathom_status add_texture(const object_reader *r, const where *at, const form_texture_values *v,
                                  int kind, fathom_map *out) {
-    const where file = {at, "file", 0}, space = {at, "colorSpace", 0};
+    const where file = {at, "file", 0}, space = {at, "colorSpace", 0}, channel = {at, "channel", 0};
     fathom_texture t;
     char *path;
     fathom_texture_default(&t);
@@ -86,6 +86,9 @@ static fathom_status add_texture(const object_reader *r, const where *at, const 
     free(path);
     if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
     if (r->scene->textures.count > before) status = place_origin(r, &file, SCENE_PART_TEXTURE, out->texture);
+    if (status == FATHOM_OK && v->channel == 3 &&
+        !scene_origin_find(r->scene, SCENE_PART_ALPHA, out->texture))
+        status = place_origin(r, &channel, SCENE_PART_ALPHA, out->texture);
     if (status != FATHOM_OK) return status;
     return begins_space(r->scene, out->texture)
                ? place_origin(r, &space, SCENE_PART_COLOR_SPACE, out->texture)
