@@ -48,9 +48,7 @@ static uint32_t float_bits(uint32_t hash) {
 uint32_t matte_id(const char *name) { return float_bits(murmur_hash(name, strlen(name))); }
 
 /* Ids are hashes of these names: the shape's own name; otherwise that of the instance that places it,
- * otherwise of its group; otherwise kind and number, such as "sphere 3", which are written to `made`. */
-#define MADE_NAME 32
-
+ * otherwise of its group; otherwise kind and number, which are written to `made`. */
 /* Flags of groups. */
 #define GROUP_PLACED 1u   /* it is the root, or an instance without a name places it */
 #define GROUP_NAMELESS 2u /* a shape in it has no name */
@@ -81,25 +79,23 @@ static bool naming_create(const fathom_scene *scene, matte_kind kind, naming *ou
     return true;
 }
 
-static const char *name_or(const char *name, const char *kind, size_t number, char made[MADE_NAME]) {
-    if (is_named(name)) return name;
-    snprintf(made, MADE_NAME, "%s %zu", kind, number);
-    return made;
-}
-
-static const char *object_name(const naming *n, size_t object, char made[MADE_NAME]) {
-    static const char *const kinds[] = {
-        [SCENE_SPHERE] = "sphere", [SCENE_QUAD] = "quad", [SCENE_PLANE] = "plane", [SCENE_MESH] = "mesh"};
+static const char *object_name(const naming *n, size_t object, char made[SCENE_NUMBERED]) {
     const scene_object *o = &n->scene->objects.items[object];
     if (is_named(o->name)) return o->name;
     if (!(n->groups[o->group] & GROUP_PLACED)) return NULL;
-    return name_or(o->group == FATHOM_ROOT ? NULL : n->scene->groups.items[o->group], kinds[o->kind],
-                   o->index, made);
+    const char *group = o->group == FATHOM_ROOT ? NULL : n->scene->groups.items[o->group];
+    return is_named(group) ? group : scene_numbered(o, made);
+}
+
+static const char *material_name(const naming *n, size_t material, char made[SCENE_NUMBERED]) {
+    const char *name = n->scene->materials.items[material].name;
+    if (!is_named(name)) snprintf(made, SCENE_NUMBERED, "material %zu", material);
+    return is_named(name) ? name : made;
 }
 
 /* NULL: no shape has this name. */
-static const char *name_of(const naming *n, size_t i, char made[MADE_NAME]) {
-    if (n->kind == MATTE_MATERIAL) return name_or(n->scene->materials.items[i].name, "material", i, made);
+static const char *name_of(const naming *n, size_t i, char made[SCENE_NUMBERED]) {
+    if (n->kind == MATTE_MATERIAL) return material_name(n, i, made);
     if (i < n->scene->objects.count) return object_name(n, i, made);
     const fathom_instance *placed = &n->scene->instances.items[i - n->scene->objects.count];
     return is_named(placed->name) && n->groups[placed->group] & GROUP_NAMELESS ? placed->name : NULL;
@@ -109,7 +105,7 @@ uint32_t *matte_ids(const fathom_scene *scene, matte_kind kind) {
     naming n;
     uint32_t *ids = naming_create(scene, kind, &n) ? malloc((n.count + 1) * sizeof *ids) : NULL;
     for (size_t i = 0; ids && i < n.count; ++i) {
-        char made[MADE_NAME];
+        char made[SCENE_NUMBERED];
         const char *name = name_of(&n, i, made);
         ids[i] = name ? matte_id(name) : 0;
     }
@@ -151,7 +147,7 @@ static int by_hash(const void *a, const void *b) {
 
 /* Writes each id once, in the order of the ids. */
 static void put_entries(FILE *to, const naming *n, manifest_entry *all, size_t count) {
-    char made[MADE_NAME];
+    char made[SCENE_NUMBERED];
     qsort(all, count, sizeof *all, by_hash);
     putc('{', to);
     for (size_t i = 0, put = 0; i < count; ++i) {
@@ -166,7 +162,7 @@ static void put_entries(FILE *to, const naming *n, manifest_entry *all, size_t c
 static size_t list_entries(const naming *n, manifest_entry *out) {
     size_t count = 0;
     for (size_t i = 0; i < n->count; ++i) {
-        char made[MADE_NAME];
+        char made[SCENE_NUMBERED];
         const char *name = name_of(n, i, made);
         if (name) out[count++] = (manifest_entry){matte_id(name), (uint32_t)i};
     }

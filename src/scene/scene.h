@@ -20,6 +20,10 @@ typedef struct scene_object {
     const char *name; /* owned by the scene; NULL: none */
 } scene_object;
 
+#define SCENE_NUMBERED 32
+/* Kind and number of a shape without a name, such as "sphere 3". */
+const char *scene_numbered(const scene_object *object, char out[SCENE_NUMBERED]);
+
 /* Memory that lives as long as the scene: copied arrays, mapped files. */
 typedef struct scene_blob {
     void *data;

@@ -4,12 +4,20 @@
 #include "scene/motion/motion.h"
 #include "scene/scene.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 SIZED_DEFAULT(fathom_sphere, {.radius = 1})
 SIZED_DEFAULT(fathom_plane, {.normal = {0, 0, 1}})
 SIZED_DEFAULT(fathom_mesh, {.color_channels = 3})
+
+const char *scene_numbered(const scene_object *object, char out[SCENE_NUMBERED]) {
+    static const char *const kinds[] = {
+        [SCENE_SPHERE] = "sphere", [SCENE_QUAD] = "quad", [SCENE_PLANE] = "plane", [SCENE_MESH] = "mesh"};
+    snprintf(out, SCENE_NUMBERED, "%s %u", kinds[object->kind], object->index);
+    return out;
+}
 
 void fathom_quad_default_sized(fathom_quad *quad, size_t size) {
     fathom_quad_from_axes_sized((double[3]){0, 0, 0}, (double[3]){0.5, 0, 0}, (double[3]){0, 0.5, 0}, quad,

@@ -3,6 +3,7 @@
 
 #include "read/json/json_form.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static double degrees(double radians) { return radians / 0.017453292519943295; }
@@ -241,6 +242,7 @@ fathom_status write_json(const fathom_scene *scene, const scene_graph *graph, co
     if (status == FATHOM_OK) status = put_file(&o, path);
     write_names_free(o.materials, scene->materials.count);
     write_names_free(o.groups, scene->groups.count);
+    free(o.numbered);
     write_images_close(&o.images);
     return status;
 }

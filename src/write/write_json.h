@@ -12,6 +12,7 @@ typedef struct json_out {
     write_stream stream;
     write_images images;
     char **materials, **groups; /* their names */
+    bool *numbered;             /* by group: its shapes without a name get their kind and number */
     note_list *notes;
 } json_out;
 

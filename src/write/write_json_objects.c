@@ -2,6 +2,7 @@
 #include "write/write_json.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const form_object_values usual = {.casts_shadow = true,
@@ -172,8 +173,9 @@ static fathom_status put_object(json_out *o, fathom_id id, const char **comma) {
     const fathom_id material = scene_object_material(o->scene, id);
     const char *separator = "";
     fathom_status status = FATHOM_OK;
+    char numbered[SCENE_NUMBERED];
     form_object_values v = usual;
-    v.name = object->name;
+    v.name = object->name || !o->numbered[object->group] ? object->name : scene_numbered(object, numbered);
     v.material = material ? o->materials[material] : NULL;
     v.light_group = json_light_group(o->scene, FATHOM_SOURCE_OBJECT, id);
     v.casts_shadow = !(set_shape(o->scene, object, &v) & FATHOM_CASTS_NO_SHADOW);
@@ -225,10 +227,27 @@ static fathom_status put_group(json_out *o, uint32_t group) {
     return status;
 }
 
+/* The file's groups need names, and shapes come in another order. Shapes that Cryptomatte knows by kind and
+ * number keep these as their names. */
+static fathom_status find_numbered(json_out *o) {
+    const fathom_scene *scene = o->scene;
+    const size_t count = scene->groups.count;
+    o->numbered = calloc(count, sizeof *o->numbered);
+    if (!o->numbered) return fail_memory(scene->context, count * sizeof *o->numbered);
+    for (size_t g = 0; g < count && count > 1; ++g)
+        o->numbered[g] = g == FATHOM_ROOT || !scene->groups.items[g] || !*scene->groups.items[g];
+    for (size_t i = 0; i < scene->instances.count; ++i) {
+        const fathom_instance *instance = &scene->instances.items[i];
+        if (instance->name && *instance->name) o->numbered[instance->group] = false;
+    }
+    return FATHOM_OK;
+}
+
 fathom_status json_put_objects(json_out *o) {
     file_writer *t = o->stream.file;
-    fathom_status status = FATHOM_OK;
+    fathom_status status = find_numbered(o);
     const size_t count = o->scene->groups.count;
+    if (status != FATHOM_OK) return status;
     if (count > 1) file_writer_print(t, ",\n\"groups\":{");
     for (uint32_t g = FATHOM_ROOT + 1; g < count && status == FATHOM_OK; ++g) {
         file_writer_print(t, g > FATHOM_ROOT + 1 ? ",\n" : "\n");

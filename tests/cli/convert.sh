@@ -132,6 +132,20 @@ run 0 render regrouped.json -o regrouped.exr --exr-float -q
 run 0 compare groups.exr regrouped.exr
 for name in sky key rim glow ball rest; do grep -q "light_$name.R" regrouped.exr || die "there is no light_$name"; done
 
+# Shapes without names keep their mattes, in another order and in groups that the file must name.
+cat >nameless.json <<'JSON'
+{"camera":{"eye":[0,0,9],"target":[0,0,0],"fovy":40,"shutter":[0,1]},"image":{"width":32,"height":32,"spp":4},
+"groups":{"pair":[{"type":"sphere","center":[0,-2,0],"radius":0.5}]},
+"objects":[{"type":"sphere","center":[-1,0,0],"radius":0.5},
+{"type":"sphere","center":[0,1,0],"radius":0.5,"motion":[{"time":0},{"time":1,"translation":[1,0,0]}]},
+{"type":"sphere","center":[1,0,0],"radius":0.5,"translation":[0,-1,0]},
+{"type":"instance","of":"pair"},{"type":"instance","of":"pair","name":"second","translation":[2,0,0]}]}
+JSON
+run 0 convert nameless.json again.json --time 0 --shutter 1
+for name in nameless again; do run 0 render $name.json -o $name.exr --aov cryptoObject -q; done
+run 0 compare nameless.exr again.exr
+rm nameless.exr again.exr
+
 # A model of glass casts no shadow, but it does where an instance makes it solid, as if the mesh were. Where it is
 # both, the glass decides.
 cat >glass.json <<'JSON'
