@@ -28,9 +28,9 @@ void compare_family_measure(compare_family *f, const oracle_ray *ray, uint64_t i
     if (errors->uv >= 0) add_error(&f->errors[COMPARE_UV], errors->uv, index, ray);
     if (t > 0 && isfinite(report->bound)) keep_most(&f->widest, report->bound / (unit * t), index, ray);
     if (!(report->condition > 0)) return;
+    if (!(report->bound <= COMPARE_SHAPED * unit * report->condition)) return;
     double constant = report->t_error / (unit * report->condition);
     keep_most(&f->constant, constant, index, ray);
-    if (!(report->bound <= COMPARE_SHAPED * unit * report->condition)) return;
     histogram_add(&f->constants, constant);
     if (report->condition <= COMPARE_WELL * t) add_bias(&f->bias, report->t_signed / (unit * t));
 }

@@ -51,7 +51,7 @@ typedef struct compare_family {
     compare_error errors[COMPARE_MEASURES];
     histogram constants;   /* errors divided by (unit roundoff times condition number), of hits with a bound
                               of at most COMPARE_SHAPED */
-    compare_most constant; /* the largest of all hits */
+    compare_most constant; /* the largest of them */
     compare_most widest;   /* the largest bound for t, divided by unit roundoff times t */
     compare_bias bias;
 } compare_family;

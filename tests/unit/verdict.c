@@ -328,6 +328,21 @@ static unsigned found_of(const compare_family *family, rays_family at_family) {
     return (unsigned)found.count;
 }
 
+/* A hit whose bound is 256 times its condition, and one whose bound is more, as of a sliver. */
+UNIT_TEST(the_constant_is_of_hits_that_the_statistics_count) {
+    compare_family f;
+    memset(&f, 0, sizeof f);
+    const oracle_ray ray = {.dir = {1, 0, 0}};
+    const error_report errors = {.uv = -1};
+    for (int i = 0; i < 2; ++i) {
+        const verdict_report report = {
+            .exact_t = 1, .condition = 1, .t_error = i ? 1e6 : 3, .bound = i ? 1e7 : 256};
+        compare_family_measure(&f, &ray, 0, &report, &errors, 1, 1);
+    }
+    assert_true(f.constant.value == 3);
+    assert_int_equal(f.constants.total, 1);
+}
+
 UNIT_TEST(test_statistics) {
     compare_family f;
     memset(&f, 0, sizeof f);
