@@ -68,11 +68,17 @@ static void warn_texture(const object_reader *r, const where *at, json_t *value,
 
 static fathom_status add_texture(const object_reader *r, const where *at, const form_texture_values *v,
                                  int kind, fathom_map *out) {
-    const where file = {at, "file", 0}, space = {at, "colorSpace", 0}, channel = {at, "channel", 0};
+    const where file = {at, "file", 0}, space = {at, "colorSpace", 0}, channel = {at, "channel", 0},
+                filter = {at, "filter", 0};
     fathom_texture t;
     char *path;
     fathom_texture_default(&t);
     if (!*v->file) return doc_fail(r->doc, &file, "expected the name of a file, found \"\"");
+    if (kind == FATHOM_MAP_BUMP && v->filter == FATHOM_TEXTURE_STOCHASTIC)
+        return doc_fail(
+            r->doc, &filter,
+            "expected \"nearest\", \"linear\" or \"trilinear\", because texels chosen by chance have "
+            "no slope");
     fathom_status status = read_beside(r->scene, r->doc->path, v->file, &path);
     if (status != FATHOM_OK) return doc_within(r->doc, &file, status);
     t.file = path;
