@@ -52,6 +52,16 @@ UNIT_TEST(rotations_stay_rigid_and_evenly_fast_between_keys) {
     }
 }
 
+UNIT_TEST(halving_an_arc_is_slerp_to_the_last_bits) {
+    for (int i = 0; i <= 100; ++i) {
+        const double a[4] = {0, 0, 0, 2}, b[4] = {sin(1.4), 0, 0, cos(1.4)};
+        double out[4];
+        motion_slerp(a, b, i / 100.0, out);
+        assert_near(out[0], sin(1.4 * i / 100), 4e-15);
+        assert_near(out[3], cos(1.4 * i / 100), 4e-15);
+    }
+}
+
 /* A box that turns, grows and moves between random keys. Its corners are below 12 from the pivot, and growth
  * moves them by less than 6. So a step of 2^-5 radians is allowed 2^-5 (2^-5 · 12 + 2 · 6) / 8 beyond its
  * chord; and between two looks a corner moves by less than 0.06. */

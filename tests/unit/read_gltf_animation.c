@@ -128,15 +128,6 @@ UNIT_TEST(rotations_turn_evenly_the_shorter_way) {
     }
 }
 
-UNIT_TEST(halving_an_arc_is_slerp_to_the_last_bits) {
-    for (int i = 0; i <= 100; ++i) {
-        double a[4] = {0, 0, 0, 2}, b[4] = {sin(1.4), 0, 0, cos(1.4)}, out[4];
-        gltf_slerp(a, b, i / 100.0, out);
-        assert_near(out[0], sin(1.4 * i / 100), 4e-15);
-        assert_near(out[3], cos(1.4 * i / 100), 4e-15);
-    }
-}
-
 static void assert_refused(fixture *f, fathom_status expected, const fathom_read_options *asked,
                            const char *text) {
     fathom_scene *scene;

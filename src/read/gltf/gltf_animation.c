@@ -2,6 +2,7 @@
  * key and after the last one, the value is that of this key. */
 #include "read/gltf/gltf_data.h"
 #include "read/gltf/gltf_pose.h"
+#include "scene/motion/motion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,30 +31,6 @@ static double number_of(const sampler *s, size_t key, size_t part, size_t c) {
     const size_t item = s->way == CUBICSPLINE ? key * 3 + part : key;
     const size_t element = s->scalars ? item * s->per_key + c : item;
     return (double)gltf_element(&s->values, element)[s->scalars ? 0 : c];
-}
-
-static void normalize_turn(double q[4]) {
-    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int i = 0; i < 4 && length > 0; ++i) q[i] /= length;
-}
-
-/* Normalises a and b, then takes the fraction u of the shorter arc between them. The arc is halved 24 times,
- * because sums, products and roots have the same bits on every processor, and sines do not. The remaining arc
- * is below 1e-7 radians, where the arc and its chord are the same double. */
-void gltf_slerp(double a[4], double b[4], double u, double out[4]) {
-    normalize_turn(a);
-    normalize_turn(b);
-    const bool far = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] < 0;
-    for (int i = 0; i < 4; ++i) b[i] = far ? -b[i] : b[i];
-    for (int halving = 0; halving < 24; ++halving) {
-        double middle[4];
-        for (int i = 0; i < 4; ++i) middle[i] = a[i] + b[i];
-        normalize_turn(middle);
-        u *= 2;
-        memcpy(u < 1 ? b : a, middle, sizeof middle);
-        if (u >= 1) u -= 1;
-    }
-    for (int i = 0; i < 4; ++i) out[i] = a[i] + u * (b[i] - a[i]);
 }
 
 /* The spline between a key and the next one, which are `seconds` apart, at u in [0,1). */
@@ -88,7 +65,7 @@ static void evaluate(const sampler *s, double t, double *out) {
     if (s->turns && s->way == LINEAR) {
         double a[4], b[4];
         for (size_t c = 0; c < 4; ++c) a[c] = number_of(s, key, 1, c), b[c] = number_of(s, key + 1, 1, c);
-        gltf_slerp(a, b, u, out);
+        motion_slerp(a, b, u, out);
         return;
     }
     for (size_t c = 0; c < s->per_key; ++c) {

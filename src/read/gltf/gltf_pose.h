@@ -56,8 +56,6 @@ bool gltf_is_rotation(const double r[4]);
 void gltf_animation_choose(gltf *g);
 /* Poses the nodes by g->playing at the moment's time. */
 void gltf_animation_pose(gltf *g, gltf_moment *m);
-/* The unit quaternion at the fraction u in [0,1] of the shorter arc from a to b. Normalises a and b. */
-void gltf_slerp(double a[4], double b[4], double u, double out[4]);
 /* The value of samplers[index], `components` numbers, at a time. False: reading has failed. */
 bool gltf_sampler_value(gltf *g, const gltf_value *samplers, uint32_t index, unsigned components, double time,
                         double out[4]);

@@ -52,34 +52,51 @@ static double dot_turns(const motion_parts *a, const motion_parts *b) {
 
 double motion_turn_cosine(const motion_parts *a, const motion_parts *b) { return fabs(dot_turns(a, b)); }
 
-/* Interpolates linearly at u. The two quaternions get the weights `from` and `to`; their sum is
- * normalised. */
-static motion_parts mix(const motion_parts *a, const motion_parts *b, double u, double from, double to) {
-    motion_parts out;
+/* The sum of both quaternions with these weights, normalised. */
+static void mix_turns(const double a[4], const double b[4], const double weights[2], double out[4]) {
     double square = 0;
-    if (dot_turns(a, b) < 0) to = -to;
+    for (int i = 0; i < 4; ++i) {
+        out[i] = weights[0] * a[i] + weights[1] * b[i];
+        square += out[i] * out[i];
+    }
+    for (int i = 0; i < 4; ++i) out[i] /= sqrt(square);
+}
+
+motion_parts motion_on_chord(const motion_parts *a, const motion_parts *b, double u) {
+    motion_parts out;
     for (int i = 0; i < 3; ++i) {
         out.scale[i] = (1 - u) * a->scale[i] + u * b->scale[i];
         out.skew[i] = (1 - u) * a->skew[i] + u * b->skew[i];
         out.shift[i] = (1 - u) * a->shift[i] + u * b->shift[i];
     }
-    for (int i = 0; i < 4; ++i) {
-        out.turn[i] = from * a->turn[i] + to * b->turn[i];
-        square += out.turn[i] * out.turn[i];
-    }
-    for (int i = 0; i < 4; ++i) out.turn[i] /= sqrt(square);
+    mix_turns(a->turn, b->turn, (const double[]){1 - u, dot_turns(a, b) < 0 ? -u : u}, out.turn);
     return out;
 }
 
-motion_parts motion_on_chord(const motion_parts *a, const motion_parts *b, double u) {
-    return mix(a, b, u, 1 - u, u);
+/* The cosine of 1e-5 radians. An arc as small and its chord differ by less than 1e-17. */
+#define CHORD_COSINE (1 - 0.5e-10)
+
+/* The arc is halved until it is its chord, because roots have the same bits on every processor, and sines do
+ * not. Its ends are sums of a and b. */
+void motion_slerp(const double a[4], const double b[4], double u, double out[4]) {
+    double aa = 0, bb = 0, cosine = 0;
+    for (int i = 0; i < 4; ++i) aa += a[i] * a[i], bb += b[i] * b[i], cosine += a[i] * b[i];
+    double from[2] = {aa > 0 ? 1 / sqrt(aa) : 0, 0}, to[2] = {0, bb > 0 ? copysign(1 / sqrt(bb), cosine) : 0};
+    cosine *= from[0] * to[1];
+    while (cosine < CHORD_COSINE) {
+        cosine = sqrt(0.5 + 0.5 * cosine);
+        const double middle[2] = {(from[0] + to[0]) / (2 * cosine), (from[1] + to[1]) / (2 * cosine)};
+        u *= 2;
+        memcpy(u < 1 ? to : from, middle, sizeof middle);
+        if (u >= 1) u -= 1;
+    }
+    mix_turns(a, b, (const double[]){(1 - u) * from[0] + u * to[0], (1 - u) * from[1] + u * to[1]}, out);
 }
 
-/* Below an angle of 1e-4 radians, chord and arc differ by less than 1e-13. */
 motion_parts motion_between(const motion_parts *a, const motion_parts *b, double u) {
-    const double angle = acos(fmin(motion_turn_cosine(a, b), 1));
-    if (angle < 1e-4) return motion_on_chord(a, b, u);
-    return mix(a, b, u, sin((1 - u) * angle), sin(u * angle));
+    motion_parts out = motion_on_chord(a, b, u);
+    motion_slerp(a->turn, b->turn, u, out.turn);
+    return out;
 }
 
 /* ---- keys ---- */

@@ -17,6 +17,9 @@ typedef struct motion_parts {
 /* The map must have an inverse. */
 motion_parts motion_take_apart(const affine_f64 *map);
 affine_f64 motion_put_together(const motion_parts *parts);
+/* The unit quaternion at u in [0, 1] of the shorter arc from a to b, which need not be unit. Any order of
+ * the four numbers. If one of both is zero, the other counts. */
+void motion_slerp(const double a[4], const double b[4], double u, double out[4]);
 /* Interpolates from a to b at u in [0, 1], with the rotation on the arc. */
 motion_parts motion_between(const motion_parts *a, const motion_parts *b, double u);
 /* The same with the rotation on the chord: the quaternion is interpolated linearly and normalised. This is a
