@@ -128,14 +128,14 @@ static void hold_way(gltf *g, const gltf_value *node, gltf_way *way) {
     for (size_t k = 0; k < way->count; ++k) way->at[k] = middle;
 }
 
-static void place_mesh(gltf *g, const gltf_value *node, gltf_way way) {
+static void place_mesh(gltf *g, const gltf_value *node, gltf_way *to_world) {
     uint32_t mesh = GLTF_ABSENT;
     gltf_value extensions, instancing;
     const gltf_joints *joints = NULL;
     gltf_index(g, node, "mesh", &g->meshes, &mesh);
     if (mesh == GLTF_ABSENT) return;
-    hold_way(g, node, &way);
-    const fathom_id group = gltf_shape_mesh(g, node, mesh, &way, &joints);
+    hold_way(g, node, to_world);
+    const fathom_id group = gltf_shape_mesh(g, node, mesh, to_world, &joints);
     gltf_extension(g, node, "EXT_mesh_gpu_instancing", &extensions, &instancing);
     if (!gltf_fine(g) || group == GLTF_EMPTY) return;
     if (joints) {
@@ -146,9 +146,9 @@ static void place_mesh(gltf *g, const gltf_value *node, gltf_way way) {
                       "the instances of a mesh with a skin, or that a node flattens, are left out but one");
         add_instance(g, node, group, &moved);
     } else if (instancing.json) {
-        add_many(g, node, &instancing, group, &way);
+        add_many(g, node, &instancing, group, to_world);
     } else {
-        add_instance(g, node, group, &way);
+        add_instance(g, node, group, to_world);
     }
 }
 
@@ -183,7 +183,7 @@ static void visit(gltf *g, walk *w, const step *at) {
     const bool hidden = !is_visible(g, &node) || at->hidden;
     if (!gltf_fine(g)) return;
     g->scene->hides |= hidden;
-    if (!hidden) place_mesh(g, &node, to_world);
+    if (!hidden) place_mesh(g, &node, &to_world);
     if (g->options->surroundings) {
         gltf_camera_note(g, &node, at->link);
         if (!hidden) gltf_light_place(g, &node, &to_world);
