@@ -106,6 +106,22 @@ UNIT_TEST(keys_follow_the_stills_in_a_squashed_parent) {
     }
 }
 
+/* A slide begins at a quarter of the shutter time, between two of the 64 poses. Straight between these, it is
+ * off by a quarter of the way from one to the next at most. */
+UNIT_TEST(motion_may_begin_while_the_shutter_is_open) {
+    fixture *f = *state;
+    build b = {.size = 0};
+    const int times = PUT_FLOATS(&b, "SCALAR", 2, 0.26f, 1),
+              values = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 1, 0, 0);
+    write_channel(f, &b, "translation", "LINEAR", "", times, values);
+    fathom_scene *moving = read_blurred(f, 0, 1);
+    assert_int_equal(f->warnings, 0);
+    for (int k = 0; k <= 256; ++k) {
+        const double x = motion_place(&moving->instances.items[0], k / 256.0).m[0][3];
+        assert_near(x, fmax(k / 256.0 - 0.26, 0) / 0.74, 0.25 / (0.74 * 64) + 1e-7);
+    }
+}
+
 /* Eight turns in 24 keys: at each eighth of the time it is back where it was. */
 UNIT_TEST(a_wheel_does_not_seem_to_stand) {
     fixture *f = *state;

@@ -56,13 +56,14 @@ void gltf_moments_close(gltf *g) {
 
 /* ---- how many keys ---- */
 
-/* A column of a node's matrix, or one of its weights, at all moments. placed: as motion_place() follows it.
- */
+/* A column of a node's matrix, or one of its weights, at all moments. */
 typedef struct curve {
     gltf *g;
     uint32_t link;
-    bool weights, placed;
+    bool weights;
+    bool placed; /* motion_place() must follow it */
     size_t at;
+    double part; /* allowed error, as a part of the way */
 } curve;
 
 static void point_of(const curve *c, size_t moment, double out[3]) {
@@ -118,7 +119,7 @@ static void fit_curve(const curve *c, size_t *stride) {
         size = fmax(size, length_f64(load_f64(points[i])));
     }
     if (way == 0) return;
-    const double slack = 0x1p-8 * way + (c->weights || c->at == 3 ? 0x1p-40 : 0x1p-22) * size;
+    const double slack = c->part * way + (c->weights || c->at == 3 ? 0x1p-40 : 0x1p-22) * size;
     for (size_t i = 0; i<intervals && * stride> 1; ++i) {
         const size_t from = i / *stride * *stride;
         const double u = (double)(i - from) / (double)*stride;
@@ -130,20 +131,27 @@ static void fit_curve(const curve *c, size_t *stride) {
     }
 }
 
-static void fit_node(gltf *g, uint32_t link, size_t *stride) {
+static void fit_node(gltf *g, uint32_t link, double part, size_t *stride) {
     const gltf_pose *pose = gltf_pose_of(&g->moments.items[0], g->links.items[link].node);
-    for (size_t k = 0; k < 4 && gltf_fine(g); ++k) fit_curve(&(curve){.g = g, .link = link, .at = k}, stride);
-    for (size_t k = 0; pose && pose->weights && k < pose->weight_count && gltf_fine(g); ++k)
-        fit_curve(&(curve){.g = g, .link = link, .at = k, .weights = true}, stride);
+    curve c = {.g = g, .link = link, .part = part};
+    for (; c.at < 4 && gltf_fine(g); ++c.at) fit_curve(&c, stride);
+    c.weights = true;
+    for (c.at = 0; pose && pose->weights && c.at < pose->weight_count && gltf_fine(g); ++c.at)
+        fit_curve(&c, stride);
 }
 
-/* Vertices and lights are interpolated linearly, and the note is about that. Instances are placed. */
+#define PART 0x1p-8
+
+/* Vertices are interpolated linearly, and instances are placed. All poses are too few if every second one
+ * errs by four times the part: where motion is smooth, each errs by a quarter of that. */
 static void fit_all(gltf *g, size_t *stride, bool *uneven) {
-    for (uint32_t i = 0; i < g->links.count; ++i) fit_node(g, i, stride);
-    *uneven = *stride == 1;
+    size_t second = 2;
+    for (uint32_t i = 0; i < g->links.count; ++i) fit_node(g, i, PART, stride);
+    for (uint32_t i = 0; i < g->links.count && *stride == 1; ++i) fit_node(g, i, 4 * PART, &second);
+    *uneven = second == 1;
     for (uint32_t i = 0; i < g->links.count && gltf_fine(g); ++i) {
         for (size_t k = 0; k < 3; ++k)
-            fit_curve(&(curve){.g = g, .link = i, .at = k, .placed = true}, stride);
+            fit_curve(&(curve){.g = g, .link = i, .at = k, .placed = true, .part = PART}, stride);
     }
 }
 
