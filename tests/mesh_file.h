@@ -6,7 +6,6 @@
 #include "unit_folder.h"
 
 static char mesh_warnings[4096]; /* one a line */
-static char mesh_files[8][16];   /* written in the folder */
 
 static void mesh_keep_warning(void *user, const char *message) {
     (void)user;
@@ -16,12 +15,6 @@ static void mesh_keep_warning(void *user, const char *message) {
 
 static const char *mesh_write(const char *name, const void *bytes, size_t size) {
     const char *path = in_folder(name);
-    for (int i = 0; i < 8; ++i) {
-        if (strcmp(mesh_files[i], name) == 0) break;
-        if (mesh_files[i][0]) continue;
-        snprintf(mesh_files[i], sizeof mesh_files[i], "%s", name);
-        break;
-    }
     unit_write_file(path, bytes, size);
     return path;
 }
@@ -54,13 +47,6 @@ static int mesh_setup(void **state) {
     if (open_folder(state) != 0) return -1;
     fathom_context_on_warning(context, mesh_keep_warning, NULL);
     return 0;
-}
-
-static int mesh_teardown(void **state) {
-    for (int i = 0; i < 8; ++i) {
-        if (mesh_files[i][0]) unlink(in_folder(mesh_files[i]));
-    }
-    return remove_folder(state);
 }
 
 static inline const fathom_mesh *mesh_at(const fathom_scene *scene, size_t i) {

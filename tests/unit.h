@@ -50,16 +50,23 @@ static inline void unit_end_things(size_t left) {
     }
 
 static int (*unit_each_teardown)(void **state); /* of each test; NULL: none */
+static size_t unit_group_things;                /* of the set-up of all tests, which end with the last test */
 
 static inline int unit_end_test(void **state) {
-    unit_end_things(0);
+    unit_end_things(unit_group_things);
     return unit_each_teardown ? unit_each_teardown(state) : 0;
 }
 
 /* cmocka passes over what the teardown of a group returns, and many a one says there that something was left
  * behind: that fails, too. */
-static int (*unit_teardown)(void **state);
+static int (*unit_set_up)(void **state), (*unit_teardown)(void **state);
 static int unit_teardown_failed;
+
+static inline int unit_note_set_up(void **state) {
+    const int failed = unit_set_up && unit_set_up(state) != 0;
+    unit_group_things = unit_thing_count;
+    return failed;
+}
 
 static inline int unit_note_teardown(void **state) {
     unit_end_things(0);
@@ -69,8 +76,8 @@ static inline int unit_note_teardown(void **state) {
 
 static inline int unit_run(const char *name, const struct CMUnitTest *tests, size_t count,
                            int (*setup)(void **state), int (*teardown)(void **state)) {
-    unit_teardown = teardown;
-    const int failed = _cmocka_run_group_tests(name, tests, count, setup, unit_note_teardown);
+    unit_set_up = setup, unit_teardown = teardown;
+    const int failed = _cmocka_run_group_tests(name, tests, count, unit_note_set_up, unit_note_teardown);
     if (unit_teardown_failed) fprintf(stderr, "[  FAILED  ] the teardown of %s\n", name);
     return failed + unit_teardown_failed;
 }

@@ -1,5 +1,5 @@
-/* A folder of the test's own, and a context. A file left in it at the end makes the program fail.
- */
+/* A folder of the test's own, and a context. A file that is left in it and that no test names makes the
+ * program fail. */
 #pragma once
 
 #include "unit.h"
@@ -11,12 +11,24 @@
 static fathom_context *context;
 static char folder[] = "/tmp/fathom-test-XXXXXX";
 
-/* The path of a file in it; valid until the eighth call after. */
+static inline void remove_path(void *path) {
+    remove(path);
+    free(path);
+}
+
+/* The path of a file in it; valid until the eighth call after. The file ends with the test, and a library of
+ * materials with its .obj file. */
 static inline const char *in_folder(const char *name) {
     static char paths[8][256];
     static unsigned next;
     char *path = paths[next++ % 8];
     snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    unit_own(strdup(path), remove_path);
+    char *end = strrchr(path, '.'), *library;
+    if (end && strcmp(end, ".obj") == 0) {
+        assert_true(asprintf(&library, "%.*s.mtl", (int)(end - path), path) > 0);
+        unit_own(library, remove_path);
+    }
     return path;
 }
 

@@ -33,7 +33,6 @@ static int end(void **state) {
     world_destroy(w);
     fathom_scene_destroy(scene);
     e = NULL, w = NULL;
-    unlink(in_folder("sky.exr"));
     return 0;
 }
 

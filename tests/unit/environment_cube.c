@@ -92,13 +92,6 @@ static environment *open_form(unsigned k, bool smooth) {
     return e;
 }
 
-static int clean(void **state) {
-    (void)state;
-    unlink(in_folder("sky.exr"));
-    for (unsigned face = 0; face < FACES; ++face) unlink(in_folder(face_file(face)));
-    return 0;
-}
-
 static double red(const environment *e, vec3_f64 d) {
     float rgb[3];
     environment_radiance(e, d, rgb);
@@ -204,7 +197,4 @@ UNIT_TEST(what_lies_outside_of_the_image_is_not_used) {
     environment_destroy(e[0]), environment_destroy(e[1]);
 }
 
-int main(void) {
-    unit_each(NULL, clean);
-    return unit_main(open_folder, remove_folder);
-}
+int main(void) { return unit_main(open_folder, remove_folder); }

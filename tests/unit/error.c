@@ -20,7 +20,6 @@ static const fathom_error *error_of(const char *path) {
 static const fathom_error *error_in(const char *path, const char *text) {
     unit_write_file(path, text, strlen(text));
     const fathom_error *error = error_of(path);
-    unlink(path);
     return error;
 }
 
@@ -136,7 +135,6 @@ UNIT_TEST(ply_byte_errors_name_byte_and_element) {
     memcpy(bytes + header + sizeof vertices, "\3\0\0\0\0\1\0\0\0\7\0\0\0", 13);
     unit_write_file(path, bytes, header + sizeof vertices + 13);
     const fathom_error *error = error_of(path);
-    unlink(path);
     assert_place(error->place, path, 0, "face");
     assert_true(error->place->has_byte);
     assert_int_equal(error->place->byte, header + sizeof vertices + 9); /* where the index stands */
@@ -163,7 +161,6 @@ UNIT_TEST(glb_errors_name_byte_and_field) {
     memcpy(bytes + 20, GLTF, size);
     unit_write_file(path, bytes, 20 + size);
     const fathom_error *error = error_of(path);
-    unlink(path);
     const size_t byte = 20 + (size_t)(strchr(GLTF, '3') - GLTF);
     assert_place(error->place, path, 0, "meshes[0].primitives");
     assert_true(error->place->has_byte);
@@ -183,7 +180,6 @@ UNIT_TEST(errors_of_named_files_tell_who_names_them) {
     unit_write_file(mesh, "v 0 0 0\nf 1 1 2\n", 16);
     const fathom_error *error =
         error_in(scene, "{\"objects\": [\n{\"type\": \"mesh\",\n\"file\": \"bad.obj\"}]}");
-    unlink(mesh);
     assert_place(error->place, mesh, 2, "f");
     assert_non_null(error->place->within);
     assert_place(error->place->within, scene, 3, "objects[0].file");
@@ -215,7 +211,6 @@ UNIT_TEST(success_keeps_the_last_error) {
     unit_write_file(good, GOOD_OBJ, strlen(GOOD_OBJ));
     fathom_scene *scene;
     assert_ok(context, fathom_scene_read(context, good, &scene));
-    unlink(good);
     fathom_scene_destroy(scene);
     assert_string_equal(fathom_context_error(context)->place->file, bad);
 }

@@ -141,9 +141,4 @@ UNIT_TEST(an_abandoned_file_leaves_nothing) {
     file_writer_abort(out);
 }
 
-static int remove_image(void **state) {
-    unlink(in_folder("a.png"));
-    return remove_folder(state);
-}
-
-int main(void) { return unit_main(open_folder, remove_image); }
+int main(void) { return unit_main(open_folder, remove_folder); }

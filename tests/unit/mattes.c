@@ -228,7 +228,6 @@ UNIT_TEST(headers_hold_the_names) {
         assert_holds(&map, text);
         assert_holds(&map, "CryptoObject02.A");
         file_close(&map);
-        unlink(path);
     }
 }
 
@@ -316,7 +315,6 @@ UNIT_TEST(names_read_back) {
             if (!strstr(manifest, entry)) fail_msg("%s: %s is not in %s", files[f], entry, manifest);
         }
         free(manifest);
-        unlink(in_folder(files[f])), unlink(in_folder("a.mtl"));
     }
 }
 

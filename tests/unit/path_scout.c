@@ -196,9 +196,4 @@ UNIT_TEST(threads_and_crops_change_no_bit) {
     }
 }
 
-static int end(void **state) {
-    unlink(in_folder("sky.exr"));
-    return remove_folder(state);
-}
-
-int main(void) { return unit_main(open_folder, end); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -332,8 +332,6 @@ static fathom_scene *through(fathom_scene *scene, const char *file) {
     assert_ok(context, fathom_scene_write(scene, in_folder(file)));
     back = scene_of_file(context, in_folder(file));
     fathom_context_on_warning(context, NULL, NULL);
-    unlink(in_folder(file));
-    if (strcmp(file, "a.obj") == 0) unlink(in_folder("a.mtl"));
     return back;
 }
 

@@ -487,4 +487,4 @@ UNIT_TEST(names_may_hold_blanks) {
     mtl_free(&library);
 }
 
-int main(void) { return unit_main(mesh_setup, mesh_teardown); }
+int main(void) { return unit_main(mesh_setup, remove_folder); }

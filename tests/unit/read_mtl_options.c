@@ -103,4 +103,4 @@ UNIT_TEST(a_nan_changes_nothing) {
     assert_true(material_of("Pr 0.5\nTr nan\n").opacity == 1);
 }
 
-int main(void) { return unit_main(mesh_setup, mesh_teardown); }
+int main(void) { return unit_main(mesh_setup, remove_folder); }

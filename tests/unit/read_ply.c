@@ -839,4 +839,4 @@ UNIT_TEST(meshes_do_not_depend_on_thread_count) {
     expect_one_mesh(false);
 }
 
-int main(void) { return unit_main(mesh_setup, mesh_teardown); }
+int main(void) { return unit_main(mesh_setup, remove_folder); }

@@ -150,4 +150,4 @@ UNIT_TEST(edges_and_colours_go_with_lost_vertices) {
     }
 }
 
-int main(void) { return unit_main(mesh_setup, mesh_teardown); }
+int main(void) { return unit_main(mesh_setup, remove_folder); }

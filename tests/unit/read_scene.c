@@ -175,4 +175,4 @@ UNIT_TEST(meshes) {
                  "the extension .json is not known; expected .obj, .ply, .gltf or .glb");
 }
 
-int main(void) { return unit_main(mesh_setup, mesh_teardown); }
+int main(void) { return unit_main(mesh_setup, remove_folder); }

@@ -241,7 +241,6 @@ static const char *json_of(fathom_scene *scene) {
     assert_non_null(file);
     const size_t size = fread(bytes, 1, sizeof bytes - 1, file);
     fclose(file);
-    unlink(in_folder("a.glb"));
     assert_true(size > 20 && size < sizeof bytes - 1);
     uint32_t length;
     memcpy(&length, bytes + 12, sizeof length);

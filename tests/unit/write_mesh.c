@@ -24,8 +24,6 @@ static int set_up(void **state) {
     return 0;
 }
 
-static void remove_file(const char *name) { assert_int_equal(unlink(in_folder(name)), 0); }
-
 /* ---- triangles of a scene, as they lie in the world ---- */
 
 typedef struct corner {
@@ -167,14 +165,12 @@ static void check_round_trip(const fathom_scene *scene, const char *name, bool c
         check_same(&a.triangles.items[i], &b.triangles.items[i], colors, unit);
     array_free(&a.triangles);
     array_free(&b.triangles);
-    remove_file(name);
 }
 
 static void check_all_formats(const fathom_scene *scene) {
     check_round_trip(scene, "mesh.glb", true);
     check_round_trip(scene, "mesh.ply", false);
     check_round_trip(scene, "mesh.obj", true);
-    remove_file("mesh.mtl");
 }
 
 static fathom_scene *generate(fathom_generator kind, uint64_t triangles) {
@@ -208,9 +204,7 @@ UNIT_TEST(one_mesh_keeps_its_arrays) {
             const float *own = element(a->uvs, 8, v), flipped[2] = {own[0], 1 - own[1]};
             assert_true(same_floats(i % 3 ? flipped : own, element(b->uvs, b->uv_stride, v), 2));
         }
-        remove_file(name);
     }
-    remove_file("mesh.mtl");
 }
 
 UNIT_TEST(instances_are_placed) {
@@ -303,7 +297,6 @@ UNIT_TEST(stretched_smooth_meshes_are_told) {
         warnings = 0;
         assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
         assert_int_equal(warnings, smooth && stretched);
-        remove_file("a.ply");
     }
 }
 
@@ -328,7 +321,6 @@ UNIT_TEST(glb_has_unit_normals_and_tangents) {
         assert_memory_equal(back->meshes.items[0].normals, expected, sizeof expected);
         if (k) assert_true(back->meshes.items[0].tangents[0] == 1 && back->meshes.items[0].tangents[3] == 1);
     }
-    remove_file("a.glb");
 }
 
 /* Far from the origin .glb keeps the mesh's own numbers: a node moves it there in double. OBJ has the digits
@@ -350,9 +342,7 @@ UNIT_TEST(far_meshes_keep_their_digits_or_tell) {
         if (k == 0) assert_memory_equal(&a, &b, sizeof a);
         if (k == 1) assert_true(length_f64(sub_f64(a.lower, b.lower)) < 4 * 0x1p-24);
         if (k == 1) assert_true(length_f64(sub_f64(a.upper, b.upper)) < 4 * 0x1p-24);
-        remove_file(names[k]);
     }
-    remove_file("far.mtl");
 }
 
 /* ---- materials ---- */
@@ -363,7 +353,6 @@ static const fathom_material *read_back(fathom_scene *scene, const char *name, c
     *back = scene_of_file(context, in_folder(name));
     fathom_id id = find_material(*back, material);
     assert_int_not_equal(id, FATHOM_NONE);
-    remove_file(name);
     return &(*back)->materials.items[id].classic;
 }
 
@@ -419,7 +408,6 @@ UNIT_TEST(mtl_keeps_materials) {
         if (i == 1) assert_true(m->shininess == 77 && m->specular == FATHOM_SPECULAR_BLINN);
         assert_int_equal(m->fresnel, cases[i].fresnel);
         if (cases[i].k_t[0] > 0) assert_true(m->ior == cases[i].ior);
-        remove_file("m.mtl");
     }
 }
 
@@ -473,10 +461,8 @@ UNIT_TEST(threads_change_no_byte) {
         assert_memory_equal(one, five, size);
         free(one);
         free(five);
-        remove_file(names[i]);
     }
     fathom_context_set_threads(context, 0);
-    remove_file("a.mtl");
 }
 
 /* The chunks fill the file, and the arrays begin on multiples of 16 bytes. */
@@ -502,7 +488,6 @@ UNIT_TEST(glb_is_laid_out_for_mapping) {
     assert_int_equal(views, 4 + 2 + 3 + 2);
     free(json);
     free(bytes);
-    remove_file("a.glb");
 }
 
 /* Every bit pattern of a float, in steps of a prime. */
@@ -572,7 +557,6 @@ UNIT_TEST(spheres_are_told_and_empty_scenes_refused) {
     assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
     assert_int_equal(warnings, 1);
     assert_non_null(strstr(last_warning, "a sphere becomes triangles with smooth normals"));
-    remove_file("a.ply");
     assert_fails(context, fathom_scene_write(scene, in_folder("none/a.obj")), FATHOM_OUT_OF_RESOURCES,
                  "none/a.obj");
 }

@@ -162,9 +162,7 @@ UNIT_TEST(shapes_are_read_back) {
         assert_near(box.upper.y, 2, 0x1p-14);
         assert_near(box.lower.z, -1, 0x1p-14);
         assert_near(box.upper.z, 10, 0x1p-14);
-        unlink(in_folder(names[i]));
     }
-    unlink(in_folder("a.mtl"));
 }
 
 UNIT_TEST(planes_alone_are_refused) {
