@@ -34,8 +34,8 @@ static inline int put_typed(build *b, int component, const char *type, unsigned 
               "")
 
 /* Writes the file; `members`: the JSON besides buffers, views and accessors. */
-__attribute__((format(printf, 3, 4))) static inline void build_write(fixture *f, const build *b,
-                                                                     const char *members, ...) {
+__attribute__((format(printf, 2, 3))) static inline void build_write(const build *b, const char *members,
+                                                                     ...) {
     char tail[8192], json[32768];
     va_list args;
     va_start(args, members);
@@ -44,31 +44,31 @@ __attribute__((format(printf, 3, 4))) static inline void build_write(fixture *f,
     snprintf(json, sizeof json,
              "{" ASSET ",'buffers':[{'byteLength':%zu}],'bufferViews':[%s],'accessors':[%s],%s}", b->size,
              b->views, b->accessors, tail);
-    write_glb(f, json, b->bytes, b->size);
+    write_glb(json, b->bytes, b->size);
 }
 
-/* Reads f->path as a user does. */
-static inline fathom_status read_asked(fixture *f, const fathom_read_options *asked, fathom_scene **out) {
-    f->warnings = 0;
-    const fathom_status status = fathom_scene_read_with(f->context, f->path, asked, out);
+/* Reads file_path as a user does. */
+static inline fathom_status read_asked(const fathom_read_options *asked, fathom_scene **out) {
+    forget_warnings();
+    const fathom_status status = fathom_scene_read_with(context, file_path, asked, out);
     if (status == FATHOM_OK) own_scene(*out);
     return status;
 }
 
-static inline fathom_scene *read_at(fixture *f, double time) {
+static inline fathom_scene *read_at(double time) {
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = time;
-    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_ok(context, read_asked(&asked, &scene));
     return scene;
 }
 
-/* Reads f->path, which is refused with this text in the message. */
-static inline void assert_bad_input(fixture *f, const char *text) {
+/* Reads file_path, which is refused with this text in the message. */
+static inline void assert_bad_input(const char *text) {
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
-    assert_int_equal(read_asked(f, &asked, &scene), FATHOM_BAD_INPUT);
-    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+    assert_int_equal(read_asked(&asked, &scene), FATHOM_BAD_INPUT);
+    if (!strstr(fathom_context_message(context), text)) fail_msg("%s", fathom_context_message(context));
 }
 
 /* Corner c of the first triangle of mesh m, where instance i places it. */

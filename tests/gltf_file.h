@@ -3,48 +3,13 @@
 
 #include "owned.h"
 #include "read/read.h"
+#include "unit_folder.h"
 
-#include <unistd.h>
+static char file_path[256]; /* of the last file written */
 
-/* What every test starts with: a context that keeps its last warnings, and a folder of its own. */
-typedef struct fixture {
-    fathom_context *context;
-    char folder[64], path[128];
-    unsigned warnings;
-    char warning[512]; /* the last one */
-    char told[4096];   /* all since the last read_triangle(), a line each */
-} fixture;
-
-static inline void note_warning(void *user, const char *message) {
-    fixture *f = user;
-    ++f->warnings;
-    snprintf(f->warning, sizeof f->warning, "%s", message);
-    const size_t length = strlen(f->told);
-    snprintf(f->told + length, sizeof f->told - length, "%s\n", message);
-}
-
-static inline int set_up(void **state) {
-    fixture *f = calloc(1, sizeof *f);
-    strcpy(f->folder, "/tmp/fathom_gltf_XXXXXX");
-    if (!mkdtemp(f->folder) || fathom_context_create(&f->context) != FATHOM_OK) return -1;
-    fathom_context_on_warning(f->context, note_warning, f);
-    *state = f;
-    return 0;
-}
-
-static inline int tear_down(void **state) {
-    fixture *f = *state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf '%s'", f->folder);
-    int code = system(command);
-    fathom_context_destroy(f->context);
-    free(f);
-    return code;
-}
-
-static inline void write_bytes(fixture *f, const char *name, const void *bytes, size_t size) {
-    snprintf(f->path, sizeof f->path, "%s/%s", f->folder, name);
-    unit_write_file(f->path, bytes, size);
+static inline void write_bytes(const char *name, const void *bytes, size_t size) {
+    snprintf(file_path, sizeof file_path, "%s", in_folder(name));
+    unit_write_file(file_path, bytes, size);
 }
 
 /* A GLB in memory; returns its size. `out` has room for all of it. */
@@ -66,19 +31,19 @@ static inline size_t make_glb(const char *json, const void *binary, size_t binar
     return size;
 }
 
-static inline void write_glb(fixture *f, const char *json, const void *binary, size_t binary_size) {
+static inline void write_glb(const char *json, const void *binary, size_t binary_size) {
     unsigned char *glb = malloc(strlen(json) + binary_size + 64);
     size_t size = make_glb(json, binary, binary_size, glb);
-    write_bytes(f, "test.glb", glb, size);
+    write_bytes("test.glb", glb, size);
     free(glb);
 }
 
-static inline void write_gltf(fixture *f, const char *json) {
+static inline void write_gltf(const char *json) {
     char *text = strdup(json);
     for (char *c = text; *c; ++c) {
         if (*c == '\'') *c = '"';
     }
-    write_bytes(f, "test.gltf", text, strlen(text));
+    write_bytes("test.gltf", text, strlen(text));
     free(text);
 }
 
@@ -129,26 +94,24 @@ static const triangle_data triangle = {.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1
 #define WITH_DATA(tail) "{" ASSET "," DATA "," tail "}"
 #define SHOWN(meshes) WITH_DATA(meshes ",'nodes':[{'mesh':0}],'scenes':[{'nodes':[0]}],'scene':0")
 
-static inline void write_triangle(fixture *f, const char *json) {
-    write_glb(f, json, &triangle, sizeof triangle);
-}
+static inline void write_triangle(const char *json) { write_glb(json, &triangle, sizeof triangle); }
 
-/* Reads f->path into a scene of its own. */
-static inline fathom_scene *read_with(fixture *f, const read_mesh_options *options) {
-    fathom_scene *scene = new_scene(f->context);
-    f->warnings = 0, f->told[0] = '\0';
-    assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, options));
+/* Reads file_path into a scene of its own. */
+static inline fathom_scene *read_with(const read_mesh_options *options) {
+    fathom_scene *scene = new_scene(context);
+    forget_warnings();
+    assert_ok(context, read_gltf(scene, FATHOM_ROOT, file_path, options));
     return scene;
 }
 
-static inline fathom_scene *read_file(fixture *f) {
+static inline fathom_scene *read_file(void) {
     const read_mesh_options options = {.material = FATHOM_NONE, .surroundings = true};
-    return read_with(f, &options);
+    return read_with(&options);
 }
 
-static inline fathom_scene *read_triangle(fixture *f, const char *json) {
-    write_triangle(f, json);
-    return read_file(f);
+static inline fathom_scene *read_triangle(const char *json) {
+    write_triangle(json);
+    return read_file();
 }
 
 /* Corner c of triangle t of mesh m. */

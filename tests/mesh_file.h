@@ -5,14 +5,6 @@
 #include "read/read.h"
 #include "unit_folder.h"
 
-static char mesh_warnings[4096]; /* one a line */
-
-static void mesh_keep_warning(void *user, const char *message) {
-    (void)user;
-    size_t used = strlen(mesh_warnings);
-    snprintf(mesh_warnings + used, sizeof mesh_warnings - used, "%s\n", message);
-}
-
 static const char *mesh_write(const char *name, const void *bytes, size_t size) {
     const char *path = in_folder(name);
     unit_write_file(path, bytes, size);
@@ -26,7 +18,7 @@ typedef fathom_status (*mesh_reader)(fathom_scene *scene, fathom_id group, const
 static inline fathom_scene *mesh_try(mesh_reader reader, const char *path, read_mesh_options options,
                                      fathom_status *status) {
     fathom_scene *scene = new_scene(context);
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     *status = reader(scene, FATHOM_ROOT, path, &options);
     return *status == FATHOM_OK ? scene : NULL;
 }
@@ -37,16 +29,6 @@ static inline fathom_scene *mesh_read(mesh_reader reader, const char *path, read
     fathom_scene *scene = mesh_try(reader, path, options, &status);
     assert_ok(context, status);
     return scene;
-}
-
-static inline void expect_warning(const char *text) {
-    if (!strstr(mesh_warnings, text)) fail_msg("no \"%s\" in:\n%s", text, mesh_warnings);
-}
-
-static int mesh_setup(void **state) {
-    if (open_folder(state) != 0) return -1;
-    fathom_context_on_warning(context, mesh_keep_warning, NULL);
-    return 0;
 }
 
 static inline const fathom_mesh *mesh_at(const fathom_scene *scene, size_t i) {

@@ -7,7 +7,7 @@
 enum { PIXELS = 32 * 32, STILLS = 64, SEEDS = 8 };
 
 /* A scene whose shutter opens and closes at these times. */
-typedef stage (*stage_fn)(void *user, double open, double close);
+typedef stage (*stage_fn)(double open, double close);
 
 static inline void add_render(stage *s, double sums[PIXELS], double weight) {
     fathom_film *film = stage_render(s);
@@ -17,17 +17,17 @@ static inline void add_render(stage *s, double sums[PIXELS], double weight) {
 
 /* Cells of 8 × 8 pixels. The stills lie in the middles of 64 times: a step of an edge, 1/64 of its way, is
  * far below the errors. Welch's t of each cell from 8 renders; one false alarm in 1e5. */
-static inline void assert_mean_of_stills(stage_fn make, void *user, double open, double close) {
+static inline void assert_mean_of_stills(stage_fn make, double open, double close) {
     sample_mean blurred[16], still[16];
     double sums[2][16] = {{0}}, squares[2][16] = {{0}};
     for (uint64_t seed = 0; seed < SEEDS; ++seed) {
         double image[2][PIXELS] = {{0}};
-        stage s = make(user, open, close);
+        stage s = make(open, close);
         s.settings.spp = 128, s.settings.seed = seed;
         add_render(&s, image[0], 1);
         for (int k = 0; k < STILLS; ++k) {
             const double time = open + (close - open) * (k + 0.5) / STILLS;
-            s = make(user, time, time);
+            s = make(time, time);
             s.settings.spp = 2, s.settings.seed = 1000 + seed * STILLS + (uint64_t)k;
             add_render(&s, image[1], 1.0 / STILLS);
         }

@@ -32,11 +32,29 @@ static inline const char *in_folder(const char *name) {
     return path;
 }
 
+static char warned[4096]; /* the warnings since forget_warnings(), a line each */
+static unsigned warning_count;
+
+static inline void note_warning(void *user, const char *text) {
+    (void)user;
+    ++warning_count;
+    const size_t used = strlen(warned);
+    snprintf(warned + used, sizeof warned - used, "%s\n", text);
+}
+
+static inline void forget_warnings(void) { warning_count = 0, warned[0] = '\0'; }
+
+static inline void expect_warning(const char *text) {
+    if (!strstr(warned, text)) fail_msg("no \"%s\" in:\n%s", text, warned);
+}
+
 /* Set-up and tear-down of a group of tests. Views are those of no $OCIO. */
 static inline int open_folder(void **state) {
     (void)state;
     unsetenv("OCIO");
-    return mkdtemp(folder) && fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
+    if (!mkdtemp(folder) || fathom_context_create(&context) != FATHOM_OK) return -1;
+    fathom_context_on_warning(context, note_warning, NULL);
+    return 0;
 }
 
 static inline int remove_folder(void **state) {

@@ -22,12 +22,9 @@ UNIT_TEST(both_integrators_blur_alike) {
 
 /* ---- the mean of still images ---- */
 
-static stage all_moving(void *user, double open, double close) {
-    (void)user;
-    return moving_stage(ALL, open, close);
-}
+static stage all_moving(double open, double close) { return moving_stage(ALL, open, close); }
 
-UNIT_TEST(a_blurred_image_is_the_mean_of_still_ones) { assert_mean_of_stills(all_moving, NULL, 0, 2); }
+UNIT_TEST(a_blurred_image_is_the_mean_of_still_ones) { assert_mean_of_stills(all_moving, 0, 2); }
 
 /* ---- to the last bit ---- */
 

@@ -299,14 +299,6 @@ UNIT_TEST(path_and_reference_agree_on_clouds) {
 
 /* ---- through files ---- */
 
-static char warnings[4096];
-
-static void keep_warning(void *user, const char *message) {
-    (void)user;
-    const size_t used = strlen(warnings);
-    snprintf(warnings + used, sizeof warnings - used, "%s\n", message);
-}
-
 /* The radius that readers would choose for these points. */
 static float usual_radius(void) {
     scene_bounds box = bounds_empty();
@@ -327,11 +319,9 @@ static fathom_scene *scene_of(const fathom_mesh *mesh) {
 /* Writes the scene and reads it back; destroys it. */
 static fathom_scene *through(fathom_scene *scene, const char *file) {
     fathom_scene *back;
-    warnings[0] = 0;
-    fathom_context_on_warning(context, keep_warning, NULL);
+    forget_warnings();
     assert_ok(context, fathom_scene_write(scene, in_folder(file)));
     back = scene_of_file(context, in_folder(file));
-    fathom_context_on_warning(context, NULL, NULL);
     return back;
 }
 
@@ -355,7 +345,7 @@ UNIT_TEST(points_and_colours_read_back) {
             for (int k = 0; k < 3; ++k)
                 assert_near((double)c[k], (f ? 1 : 0.5) * (double)colors[i][k], f == 1 ? 1e-6 : 0);
         }
-        if (strstr(warnings, LOST)) fail_msg("%s: %s", files[f], warnings);
+        if (strstr(warned, LOST)) fail_msg("%s: %s", files[f], warned);
     }
 }
 
@@ -365,7 +355,7 @@ UNIT_TEST(a_radius_of_ones_own_is_kept_or_told) {
         const fathom_mesh mesh = cloud_of(0.3f, 0);
         fathom_scene *back = through(scene_of(&mesh), files[f]);
         assert_true(back->meshes.items[0].point_radius == (f == 3 ? 0.3f : usual_radius()));
-        assert_int_equal(strstr(warnings, LOST " (1 such)") || strstr(warnings, LOST), f != 3);
+        assert_int_equal(strstr(warned, LOST " (1 such)") || strstr(warned, LOST), f != 3);
     }
 }
 
@@ -384,7 +374,7 @@ UNIT_TEST(placed_clouds_read_back) {
         assert_ok(context, scene_world_bounds(back, &box));
         const double reach = 2 * ((double)usual_radius() - (double)positions[0][0]);
         assert_true(box.upper.x >= reach * (1 - 1e-6));
-        if (strstr(warnings, LOST)) fail_msg("%s: %s", files[f], warnings);
+        if (strstr(warned, LOST)) fail_msg("%s: %s", files[f], warned);
     }
 }
 
@@ -415,8 +405,8 @@ UNIT_TEST(a_few_stray_points_change_neither_size_nor_camera) {
         fathom_scene *near = through(scene_of(&mesh), files[f]);
         mesh = grid_of(STRAYS);
         fathom_scene *far = through(scene_of(&mesh), files[f]);
-        assert_int_equal(strstr(warnings, "stray points") && strstr(warnings, "(6 such)"), f != 3);
-        if (strstr(warnings, LOST)) fail_msg("%s: %s", files[f], warnings);
+        assert_int_equal(strstr(warned, "stray points") && strstr(warned, "(6 such)"), f != 3);
+        if (strstr(warned, LOST)) fail_msg("%s: %s", files[f], warned);
         assert_int_equal(far->meshes.items[0].vertex_count, GRID + STRAYS);
         assert_true(far->meshes.items[0].point_radius == near->meshes.items[0].point_radius);
         for (int k = 0; k < 3; ++k)
@@ -447,8 +437,8 @@ UNIT_TEST(ply_has_no_place_for_points_among_triangles) {
         fathom_scene *back = through(scene, files[f]);
         assert_int_equal(scene_triangles(back), 1);
         assert_int_equal(scene_points(back), f ? POINTS : 0);
-        assert_int_equal(strstr(warnings, "a point is left out: a PLY file of triangles has no place for "
-                                          "points (60 such)") != NULL,
+        assert_int_equal(strstr(warned, "a point is left out: a PLY file of triangles has no place for "
+                                        "points (60 such)") != NULL,
                          f == 0);
     }
 }

@@ -25,45 +25,40 @@ static void assert_is_triangle(const fathom_scene *scene, size_t mesh, const int
 }
 
 UNIT_TEST(arrays_stay_in_the_file) {
-    fixture *f = *state;
-    fathom_scene *scene = read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'"
-                                                 "NORMAL':4,'TEXCOORD_0':5},'indices':1}]}]"));
+    fathom_scene *scene = read_triangle(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'"
+                                              "NORMAL':4,'TEXCOORD_0':5},'indices':1}]}]"));
     const fathom_mesh *mesh = &scene->meshes.items[0];
-    assert_true(is_mapped_from(mesh->positions, f->path));
-    assert_true(is_mapped_from(mesh->normals, f->path));
-    assert_true(is_mapped_from(mesh->uvs, f->path));
-    assert_true(is_mapped_from(mesh->indices, f->path));
+    assert_true(is_mapped_from(mesh->positions, file_path));
+    assert_true(is_mapped_from(mesh->normals, file_path));
+    assert_true(is_mapped_from(mesh->uvs, file_path));
+    assert_true(is_mapped_from(mesh->indices, file_path));
     assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
     assert_memory_equal(mesh->normals, triangle.normals, sizeof triangle.normals);
     assert_memory_equal(mesh->uvs, triangle.uvs, sizeof triangle.uvs);
-    assert_int_equal(f->warnings, 0);
+    assert_int_equal(warning_count, 0);
 }
 
 UNIT_TEST(files_are_closed_after_reading) {
-    fixture *f = *state;
-    fathom_scene *scene = read_triangle(f, SHOWN(TRIANGLE_MESH));
+    fathom_scene *scene = read_triangle(SHOWN(TRIANGLE_MESH));
     const void *positions = scene->meshes.items[0].positions;
     unit_end_things(0);
-    assert_false(is_mapped_from(positions, f->path));
+    assert_false(is_mapped_from(positions, file_path));
 }
 
 UNIT_TEST(indices_of_every_width_are_read) {
-    fixture *f = *state;
     const int orders[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
     for (int i = 0; i < 3; ++i) {
         char json[4096];
         snprintf(json, sizeof json,
                  SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':%d}]}]"), i + 1);
-        fathom_scene *scene = read_triangle(f, json);
+        fathom_scene *scene = read_triangle(json);
         assert_is_triangle(scene, 0, orders[i]);
     }
-    fathom_scene *scene =
-        read_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"));
+    fathom_scene *scene = read_triangle(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"));
     assert_is_triangle(scene, 0, orders[0]);
 }
 
 UNIT_TEST(interleaved_and_misaligned_arrays_are_read) {
-    fixture *f = *state;
     unsigned char bytes[160] = {0};
     for (int i = 0; i < 3; ++i) {
         memcpy(bytes + 24 * i, triangle.positions[i], 12);
@@ -71,7 +66,6 @@ UNIT_TEST(interleaved_and_misaligned_arrays_are_read) {
         memcpy(bytes + 82 + 12 * i, triangle.positions[i], 12);
     }
     write_glb(
-        f,
         "{" ASSET
         ",'buffers':[{'byteLength':118}],'bufferViews':[{'buffer':0,'byteLength':72,'byteStride':24},"
         "{'buffer':0,'byteOffset':82,'byteLength':36}],'accessors':["
@@ -80,11 +74,11 @@ UNIT_TEST(interleaved_and_misaligned_arrays_are_read) {
         "{'bufferView':1,'componentType':5126,'type':'VEC3','count':3}],"
         "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':1}},{'attributes':{'POSITION':2}}]}]}",
         bytes, 118);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_int_equal(mesh->position_stride, 24);
     assert_ptr_equal((const char *)mesh->positions + 12, mesh->normals);
-    assert_true(is_mapped_from(mesh->positions, f->path));
+    assert_true(is_mapped_from(mesh->positions, file_path));
     assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
     assert_int_equal((uintptr_t)scene->meshes.items[1].positions % 4, 0);
     assert_is_triangle(scene, 1, (const int[3]){0, 1, 2});
@@ -92,7 +86,6 @@ UNIT_TEST(interleaved_and_misaligned_arrays_are_read) {
 
 /* KHR_mesh_quantization: f = max(c / (2^(bits-1) - 1), -1) when normalized, else f = c. */
 UNIT_TEST(quantized_arrays_are_scaled) {
-    fixture *f = *state;
     const struct {
         int16_t shorts[3][4];
         int8_t bytes[3][4];
@@ -100,8 +93,7 @@ UNIT_TEST(quantized_arrays_are_scaled) {
     } data = {{{-32768, 0, 0}, {32767, 0, 0}, {0, 16384, 0}},
               {{-128, 0, 0}, {127, 0, 0}, {0, 64, 0}},
               {{0, 0}, {65535, 0}, {0, 32768}}};
-    write_glb(f,
-              "{" ASSET
+    write_glb("{" ASSET
               ",'extensionsRequired':['KHR_mesh_quantization'],'buffers':[{'byteLength':48}],'bufferViews':["
               "{'buffer':0,'byteLength':24,'byteStride':8},{'buffer':0,'byteOffset':24,'byteLength':12,'"
               "byteStride':4},"
@@ -113,7 +105,7 @@ UNIT_TEST(quantized_arrays_are_scaled) {
               "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':2,'TEXCOORD_0':3}},"
               "{'attributes':{'POSITION':1}}]}]}",
               &data, sizeof data);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     const float half = 16384 / 32767.0f;
     assert_vec(corner(scene, 0, 0, 0), -1, 0, 0, 0);
     assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
@@ -130,7 +122,6 @@ UNIT_TEST(quantized_arrays_are_scaled) {
 /* Every triangle of a flat strip or fan faces the way the first one does, and together they cover the whole.
  */
 UNIT_TEST(strips_and_fans_keep_their_winding) {
-    fixture *f = *state;
     const struct {
         float strip[6][3];
         float fan[5][3];
@@ -149,8 +140,8 @@ UNIT_TEST(strips_and_fans_keep_their_winding) {
                  "{'bufferView':0,'byteOffset':72,'componentType':5126,'type':'VEC3','count':5}],"
                  "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'mode':%d}]}]}",
                  cases[i].accessor, cases[i].mode);
-        write_glb(f, json, &data, sizeof data);
-        fathom_scene *scene = read_file(f);
+        write_glb(json, &data, sizeof data);
+        fathom_scene *scene = read_file();
         assert_int_equal(scene->meshes.items[0].triangle_count, cases[i].triangles);
         double area = 0;
         for (uint32_t t = 0; t < cases[i].triangles; ++t) {
@@ -165,15 +156,13 @@ UNIT_TEST(strips_and_fans_keep_their_winding) {
 
 /* Vertex 1 of the triangle is replaced, over the file's values and over zeros. */
 UNIT_TEST(sparse_accessors_replace_elements) {
-    fixture *f = *state;
     struct {
         triangle_data base;
         uint8_t which[4];
         float value[3];
         uint16_t replaced_index[2];
     } data = {triangle, {1, 0, 0, 0}, {7, 8, 9}, {1, 0}};
-    write_glb(f,
-              "{" ASSET ",'buffers':[{'byteLength':140}],'bufferViews':[{'buffer':0,'byteLength':120},"
+    write_glb("{" ASSET ",'buffers':[{'byteLength':140}],'bufferViews':[{'buffer':0,'byteLength':120},"
               "{'buffer':0,'byteOffset':120,'byteLength':1},{'buffer':0,'byteOffset':124,'byteLength':12},"
               "{'buffer':0,'byteOffset':136,'byteLength':2}],'accessors':["
               "{'bufferView':0,'componentType':5126,'type':'VEC3','count':3,'sparse':{'count':1,"
@@ -185,7 +174,7 @@ UNIT_TEST(sparse_accessors_replace_elements) {
               "'meshes':[{'primitives':[{'attributes':{'POSITION':0}},{'attributes':{'POSITION':1},'indices':"
               "2}]}]}",
               &data, sizeof data);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     assert_vec(corner(scene, 0, 0, 0), 0, 0, 0, 0);
     assert_vec(corner(scene, 0, 0, 1), 7, 8, 9, 0);
     assert_vec(corner(scene, 0, 0, 2), 0, 1, 0.5, 0);
@@ -196,26 +185,23 @@ UNIT_TEST(sparse_accessors_replace_elements) {
 /* A large shape key, of which few vertices differ from zero. */
 UNIT_TEST(many_sparse_elements_need_no_view) {
     enum { COUNT = 1100000, BYTES = 300000 };
-    fixture *f = *state;
     unsigned char *bytes = calloc(1, BYTES);
     assert_non_null(bytes);
     memcpy(bytes, &(uint32_t[1]){COUNT - 2}, 4);
     memcpy(bytes + 4, (float[3]){7, 8, 9}, 12);
-    write_glb(f,
-              "{" ASSET ",'buffers':[{'byteLength':300000}],'bufferViews':[{'buffer':0,'byteLength':4},"
+    write_glb("{" ASSET ",'buffers':[{'byteLength':300000}],'bufferViews':[{'buffer':0,'byteLength':4},"
               "{'buffer':0,'byteOffset':4,'byteLength':12}],'accessors':["
               "{'componentType':5126,'type':'VEC3','count':1100000,'sparse':{'count':1,"
               "'indices':{'bufferView':0,'componentType':5125},'values':{'bufferView':1}}}],"
               "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':5}]}]}",
               bytes, BYTES);
     free(bytes);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     assert_int_equal(scene->meshes.items[0].vertex_count, COUNT);
 }
 
 /* Every number of bytes at the end: 0, 1 or 2 over a multiple of three. */
 UNIT_TEST(base64_buffers_are_decoded) {
-    fixture *f = *state;
     for (size_t extra = 0; extra < 3; ++extra) {
         unsigned char bytes[128] = {0};
         memcpy(bytes, &triangle, sizeof triangle);
@@ -226,15 +212,14 @@ UNIT_TEST(base64_buffers_are_decoded) {
                  ",'buffers':[{'byteLength':%zu,'uri':'data:application/octet-stream;base64,%s'}]," VIEWS
                  "," ACCESSORS "," TRIANGLE_MESH "}",
                  sizeof triangle + extra, text);
-        write_gltf(f, json);
-        fathom_scene *scene = read_file(f);
+        write_gltf(json);
+        fathom_scene *scene = read_file();
         assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
     }
 }
 
 /* As MIME and URIs allow. */
 UNIT_TEST(base64_may_have_line_breaks_and_percent_codes) {
-    fixture *f = *state;
     unsigned char bytes[121] = {0};
     memcpy(bytes, &triangle, sizeof triangle);
     char text[256], json[4096], broken[1024] = "", *to = broken;
@@ -248,45 +233,40 @@ UNIT_TEST(base64_may_have_line_breaks_and_percent_codes) {
              "{" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,%s\\n'}]," VIEWS "," ACCESSORS
              "," TRIANGLE_MESH "}",
              broken);
-    write_gltf(f, json);
-    assert_is_triangle(read_file(f), 0, (const int[3]){0, 1, 2});
+    write_gltf(json);
+    assert_is_triangle(read_file(), 0, (const int[3]){0, 1, 2});
 }
 
 UNIT_TEST(external_buffers_are_read) {
-    fixture *f = *state;
-    write_bytes(f, "a mesh.bin", &triangle, sizeof triangle);
+    write_bytes("a mesh.bin", &triangle, sizeof triangle);
     char binary[128];
-    strcpy(binary, f->path);
-    write_gltf(f, "{" ASSET ",'buffers':[{'byteLength':120,'uri':'a%20mesh.bin'}]," VIEWS "," ACCESSORS
-                  "," TRIANGLE_MESH "}");
-    fathom_scene *scene = read_file(f);
+    strcpy(binary, file_path);
+    write_gltf("{" ASSET ",'buffers':[{'byteLength':120,'uri':'a%20mesh.bin'}]," VIEWS "," ACCESSORS
+               "," TRIANGLE_MESH "}");
+    fathom_scene *scene = read_file();
     assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
     assert_true(is_mapped_from(scene->meshes.items[0].positions, binary));
     assert_int_equal(unlink(binary), 0);
-    scene = new_scene(f->context);
+    scene = new_scene(context);
     const read_mesh_options options = {.material = FATHOM_NONE};
-    assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &options), FATHOM_BAD_INPUT,
+    assert_fails(context, read_gltf(scene, FATHOM_ROOT, file_path, &options), FATHOM_BAD_INPUT,
                  "buffers[0].uri: ");
 }
 
 UNIT_TEST(shared_accessors_are_converted_once) {
-    fixture *f = *state;
-    fathom_scene *scene = read_triangle(
-        f,
-        SHOWN(
-            "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':2},{'attributes':{'POSITION':0},"
-            "'indices':2}]}]"));
+    fathom_scene *scene = read_triangle(SHOWN(
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':2},{'attributes':{'POSITION':0},"
+        "'indices':2}]}]"));
     assert_int_equal(scene->meshes.count, 2);
     assert_ptr_equal(scene->meshes.items[0].indices, scene->meshes.items[1].indices);
     assert_ptr_equal(scene->meshes.items[0].positions, scene->meshes.items[1].positions);
 }
 
 UNIT_TEST(options_are_applied) {
-    fixture *f = *state;
-    write_triangle(f, SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]},"
-                            "{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]"));
+    write_triangle(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]},"
+                         "{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]"));
     read_mesh_options options = {.material = 0, .flags = FATHOM_CASTS_NO_SHADOW, .flat = true};
-    fathom_scene *scene = read_with(f, &options);
+    fathom_scene *scene = read_with(&options);
     assert_null(scene->meshes.items[0].normals);
     assert_int_equal(scene->meshes.items[0].material, 0);
     assert_int_equal(scene->meshes.items[0].flags, FATHOM_CASTS_NO_SHADOW);
@@ -296,13 +276,12 @@ UNIT_TEST(options_are_applied) {
 /* A mesh without normals is flat by the standard; smooth ones are made when asked for, but never over the
  * file's own. One triangle's are all its geometric normal. */
 UNIT_TEST(missing_normals_are_made_smooth) {
-    fixture *f = *state;
-    write_triangle(f, WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1},"
-                                "{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]}]"));
-    fathom_scene *scene = read_file(f);
+    write_triangle(WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1},"
+                             "{'attributes':{'POSITION':0,'NORMAL':4},'indices':1}]}]"));
+    fathom_scene *scene = read_file();
     assert_null(scene->meshes.items[0].normals);
     const read_mesh_options options = {.material = FATHOM_NONE, .smooth = true};
-    scene = read_with(f, &options);
+    scene = read_with(&options);
     vec3_f64 a = corner(scene, 0, 0, 0), b = corner(scene, 0, 0, 1), c = corner(scene, 0, 0, 2);
     vec3_f64 n = normalize_f64(cross_f64(sub_f64(b, a), sub_f64(c, a)));
     for (size_t i = 0; i < 3; ++i) {
@@ -312,4 +291,4 @@ UNIT_TEST(missing_normals_are_made_smooth) {
     assert_memory_equal(scene->meshes.items[1].normals, triangle.normals, sizeof triangle.normals);
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -28,10 +28,10 @@ static const uint8_t draco[] = {
     "'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},'indices':2,'extensions':{"                      \
     "'KHR_draco_mesh_compression':{'bufferView':0,'attributes':{'POSITION':%d,'COLOR_0':1}}}}]}]}"
 
-static void write_draco(fixture *f, const void *bytes, size_t size, int points, int id) {
+static void write_draco(const void *bytes, size_t size, int points, int id) {
     char json[2048];
     snprintf(json, sizeof json, DRACO_MESH, size, size, points, id);
-    write_glb(f, json, bytes, size);
+    write_glb(json, bytes, size);
 }
 
 static bool has_draco(void) {
@@ -39,9 +39,9 @@ static bool has_draco(void) {
     return helper_find_file("fathom/fathom-draco", path);
 }
 
-/* Reads f->path, whose mesh has the corner (1,1,2) with its colour. */
-static void assert_corner(fixture *f) {
-    fathom_scene *scene = read_file(f);
+/* Reads file_path, whose mesh has the corner (1,1,2) with its colour. */
+static void assert_corner(void) {
+    fathom_scene *scene = read_file();
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_int_equal(mesh->triangle_count, 2);
     assert_int_equal(mesh->color_channels, 3);
@@ -60,8 +60,8 @@ static void assert_corner(fixture *f) {
 
 UNIT_TEST(draco_unpacks_to_what_was_packed) {
     if (!has_draco()) skip();
-    write_draco(*state, draco, sizeof draco, 4, 0);
-    assert_corner(*state);
+    write_draco(draco, sizeof draco, 4, 0);
+    assert_corner();
 }
 
 /* Bytes of the data: whether colours are already divided by 255; the largest side of the positions, a float.
@@ -70,7 +70,7 @@ enum { NORMALIZED_AT = 44, SIDE_AT = 95 };
 
 /* Meshes of one primitive each, of sides 2, 4, 6… and with the same accessors, which only name counts and
  * types. All but the last have the whole data. */
-static void write_draco_meshes(fixture *f, int count, size_t last_size) {
+static void write_draco_meshes(int count, size_t last_size) {
     uint8_t bytes[16 * sizeof draco];
     char json[8192];
     int at = snprintf(
@@ -94,15 +94,14 @@ static void write_draco_meshes(fixture *f, int count, size_t last_size) {
                        "'KHR_draco_mesh_compression':{'bufferView':%d,'attributes':{'POSITION':0}}}}]}",
                        i ? "," : "", i);
     snprintf(json + at, sizeof json - (size_t)at, "]}");
-    write_glb(f, json, bytes, (size_t)count * sizeof draco);
+    write_glb(json, bytes, (size_t)count * sizeof draco);
 }
 
 UNIT_TEST(draco_meshes_unpack_together_to_their_own_data) {
-    fixture *f = *state;
     if (!has_draco()) skip();
-    fathom_context_set_threads(f->context, 3);
-    write_draco_meshes(f, 8, sizeof draco);
-    fathom_scene *scene = read_file(f);
+    fathom_context_set_threads(context, 3);
+    write_draco_meshes(8, sizeof draco);
+    fathom_scene *scene = read_file();
     assert_int_equal(scene->meshes.count, 8);
     for (size_t i = 0; i < 8; ++i) {
         const fathom_mesh *mesh = &scene->meshes.items[i];
@@ -116,7 +115,6 @@ UNIT_TEST(draco_meshes_unpack_together_to_their_own_data) {
 
 /* Colours of bytes are divided by 255, whether the data says so, the accessor or neither. */
 UNIT_TEST(draco_colours_of_bytes_are_divided_once) {
-    fixture *f = *state;
     if (!has_draco()) skip();
     for (unsigned i = 0; i < 4; ++i) {
         uint8_t bytes[sizeof draco];
@@ -125,16 +123,15 @@ UNIT_TEST(draco_colours_of_bytes_are_divided_once) {
         bytes[NORMALIZED_AT] = i & 1;
         snprintf(json, sizeof json, DRACO_MESH, sizeof bytes, sizeof bytes, 4, 0);
         if (i & 2) memset(strstr(json, "'normalized':true,"), ' ', 18);
-        write_glb(f, json, bytes, sizeof bytes);
-        assert_corner(f);
-        assert_int_equal(f->warnings, i & 2 ? 1 : 0);
+        write_glb(json, bytes, sizeof bytes);
+        assert_corner();
+        assert_int_equal(warning_count, i & 2 ? 1 : 0);
     }
 }
 
 /* A packed primitive, one of the same accessors that is not packed, and both once more; then one of an
  * accessor that has no data of its own. */
 UNIT_TEST(other_primitives_have_the_accessors_own_data) {
-    fixture *f = *state;
     static const uint32_t corners[6] = {0, 1, 2, 2, 1, 3};
     static const float own[12] = {0, 0, 7, 3, 0, 7, 0, 3, 7, 3, 3, 7};
     uint8_t bytes[sizeof draco + 3 + sizeof own + sizeof corners] = {0};
@@ -157,8 +154,8 @@ UNIT_TEST(other_primitives_have_the_accessors_own_data) {
         "'componentType':5126,'type':'VEC3','count':4}],'meshes':[{'primitives':[" PACKED("0") "," PLAIN(
             "0") "," PACKED("0") "," PLAIN("0") "," PACKED("2") "," PLAIN("2") "]}]}",
         at + 72, sizeof draco, at, at + 48);
-    write_glb(f, json, bytes, at + 72);
-    fathom_scene *scene = read_file(f);
+    write_glb(json, bytes, at + 72);
+    fathom_scene *scene = read_file();
     static const float highest[] = {2, 7, 2, 7, 2, 0};
     assert_int_equal(scene->meshes.count, 6);
     for (size_t i = 0; i < 6; ++i) {
@@ -171,14 +168,13 @@ UNIT_TEST(other_primitives_have_the_accessors_own_data) {
 
 /* Every cut and many a changed byte: a mesh comes out, or one message; the process lives. */
 UNIT_TEST(broken_draco_is_refused) {
-    fixture *f = *state;
     if (!has_draco()) skip();
-    write_draco_meshes(f, 3, sizeof draco / 2);
+    write_draco_meshes(3, sizeof draco / 2);
     assert_bad_input(
-        f, "meshes[2].primitives[0].extensions.KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
+        "meshes[2].primitives[0].extensions.KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
     for (size_t cut = 1; cut < sizeof draco - 3; cut += 16) {
-        write_draco(f, draco, cut, 4, 0);
-        assert_bad_input(f, "KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
+        write_draco(draco, cut, 4, 0);
+        assert_bad_input("KHR_draco_mesh_compression: cannot be unpacked by Draco: ");
     }
     for (size_t at = 5; at < sizeof draco; at += 9) {
         uint8_t changed[sizeof draco];
@@ -186,66 +182,64 @@ UNIT_TEST(broken_draco_is_refused) {
         fathom_read_options asked = default_read_options();
         memcpy(changed, draco, sizeof draco);
         changed[at] ^= 0x55;
-        write_draco(f, changed, sizeof changed, 4, 0);
-        const fathom_status status = read_asked(f, &asked, &scene);
+        write_draco(changed, sizeof changed, 4, 0);
+        const fathom_status status = read_asked(&asked, &scene);
         assert_true(status == FATHOM_OK || status == FATHOM_BAD_INPUT);
     }
-    write_draco(f, draco, sizeof draco, 5, 0);
-    assert_bad_input(f, "is accessors[0] of 5 × 3 numbers; the compressed data has 4 × 3");
-    write_draco(f, draco, sizeof draco, 4, 7);
-    assert_bad_input(f, "attributes.POSITION: is 7; the data has no such attribute");
+    write_draco(draco, sizeof draco, 5, 0);
+    assert_bad_input("is accessors[0] of 5 × 3 numbers; the compressed data has 4 × 3");
+    write_draco(draco, sizeof draco, 4, 7);
+    assert_bad_input("attributes.POSITION: is 7; the data has no such attribute");
 }
 
 /* Writes the mesh with one piece of its JSON replaced. */
-static void assert_changed_is_refused(fixture *f, const char *from, const char *to, const char *text) {
+static void assert_changed_is_refused(const char *from, const char *to, const char *text) {
     char json[2048], changed[2048];
     snprintf(json, sizeof json, DRACO_MESH, sizeof draco, sizeof draco, 4, 0);
     char *at = strstr(json, from);
     assert_non_null(at);
     snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json, to, at + strlen(from));
-    write_glb(f, changed, draco, sizeof draco);
-    assert_bad_input(f, text);
+    write_glb(changed, draco, sizeof draco);
+    assert_bad_input(text);
 }
 
 UNIT_TEST(draco_that_lacks_a_part_is_refused) {
-    fixture *f = *state;
     /* A mesh by Draco's sequential method, without a face or an attribute. */
     static const uint8_t empty[] = {'D', 'R', 'A', 'C', 'O', 2, 2, 1, 0, 0, 0, 0, 0, 1, 0};
     if (!has_draco()) skip();
     assert_changed_is_refused(
-        f, "'bufferView':0,'attributes'", "'attributes'",
+        "'bufferView':0,'attributes'", "'attributes'",
         "KHR_draco_mesh_compression.bufferView: is missing; expected the compressed mesh");
     assert_changed_is_refused(
-        f, "'indices':2,", "",
+        "'indices':2,", "",
         "primitives[0].indices: is missing; expected an accessor that describes what is unpacked");
-    assert_changed_is_refused(f, ",'attributes':{'POSITION':0,'COLOR_0':1}}}}", "}}}",
+    assert_changed_is_refused(",'attributes':{'POSITION':0,'COLOR_0':1}}}}", "}}}",
                               "KHR_draco_mesh_compression.attributes: is missing; expected ");
-    write_draco(f, empty, sizeof empty, 4, 0);
-    assert_bad_input(f, "KHR_draco_mesh_compression: unpacks to no triangles");
+    write_draco(empty, sizeof empty, 4, 0);
+    assert_bad_input("KHR_draco_mesh_compression: unpacks to no triangles");
 }
 
 /* Reads while files can hold the data, but not what it unpacks to. */
-static void assert_refused_for_size(fixture *f, const char *text) {
+static void assert_refused_for_size(const char *text) {
     struct rlimit given, small;
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &given), 0);
     small = given, small.rlim_cur = sizeof draco + 16;
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-    const fathom_status status = read_asked(f, &asked, &scene);
+    const fathom_status status = read_asked(&asked, &scene);
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &given), 0);
     assert_int_equal(status, FATHOM_BAD_INPUT);
-    if (!strstr(fathom_context_message(f->context), text)) fail_msg("%s", fathom_context_message(f->context));
+    if (!strstr(fathom_context_message(context), text)) fail_msg("%s", fathom_context_message(context));
 }
 
 UNIT_TEST(draco_processes_that_fail_are_told) {
     if (!has_draco()) skip();
-    write_draco(*state, draco, sizeof draco, 4, 0);
-    assert_refused_for_size(*state, "cannot be unpacked: Draco was ended by SIGXFSZ; the data is broken");
+    write_draco(draco, sizeof draco, 4, 0);
+    assert_refused_for_size("cannot be unpacked: Draco was ended by SIGXFSZ; the data is broken");
     signal(SIGXFSZ, SIG_IGN);
-    assert_refused_for_size(*state,
-                            "cannot be unpacked by Draco: what it unpacks to cannot be kept: File too");
+    assert_refused_for_size("cannot be unpacked by Draco: what it unpacks to cannot be kept: File too");
     signal(SIGXFSZ, SIG_DFL);
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

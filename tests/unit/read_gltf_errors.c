@@ -3,15 +3,14 @@
 
 static const read_mesh_options plain = {.material = FATHOM_NONE, .surroundings = true};
 
-/* Reads f->path and expects a message that holds the path and `text`. */
-static void assert_rejected(fixture *f, const char *text) {
-    fathom_scene *scene = new_scene(f->context);
-    assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &plain), FATHOM_BAD_INPUT, text);
-    assert_non_null(strstr(fathom_context_message(f->context), f->path));
+/* Reads file_path and expects a message that holds the path and `text`. */
+static void assert_rejected(const char *text) {
+    fathom_scene *scene = new_scene(context);
+    assert_fails(context, read_gltf(scene, FATHOM_ROOT, file_path, &plain), FATHOM_BAD_INPUT, text);
+    assert_non_null(strstr(fathom_context_message(context), file_path));
 }
 
 UNIT_TEST(broken_containers_are_refused) {
-    fixture *f = *state;
     unsigned char glb[4096];
     size_t size = make_glb("{" ASSET "}", &triangle, sizeof triangle, glb);
     uint32_t json_size;
@@ -30,27 +29,27 @@ UNIT_TEST(broken_containers_are_refused) {
         unsigned char changed[4096];
         memcpy(changed, glb, size);
         memcpy(changed + cases[i].at, &cases[i].word, 4);
-        write_bytes(f, "test.glb", changed, size);
-        assert_rejected(f, cases[i].text);
+        write_bytes("test.glb", changed, size);
+        assert_rejected(cases[i].text);
     }
-    write_bytes(f, "test.glb", "{}", 2);
-    assert_rejected(f, "at byte 0: ");
-    write_bytes(f, "test.glb", "glTF", 4);
-    assert_rejected(f, "at byte 4: ");
-    write_bytes(f, "test.gltf", "{\n\"asset\": {,}\n}", 16);
-    assert_rejected(f, "test.gltf:2:");
-    write_bytes(f, "test.gltf", "[]", 2);
-    assert_rejected(f, "expected a glTF object");
+    write_bytes("test.glb", "{}", 2);
+    assert_rejected("at byte 0: ");
+    write_bytes("test.glb", "glTF", 4);
+    assert_rejected("at byte 4: ");
+    write_bytes("test.gltf", "{\n\"asset\": {,}\n}", 16);
+    assert_rejected("test.gltf:2:");
+    write_bytes("test.gltf", "[]", 2);
+    assert_rejected("expected a glTF object");
 }
 
 typedef struct bad_file {
     const char *json, *text;
 } bad_file;
 
-static void assert_all_rejected(fixture *f, const bad_file *files, size_t count) {
+static void assert_all_rejected(const bad_file *files, size_t count) {
     for (size_t i = 0; i < count; ++i) {
-        write_triangle(f, files[i].json);
-        assert_rejected(f, files[i].text);
+        write_triangle(files[i].json);
+        assert_rejected(files[i].text);
     }
 }
 
@@ -73,7 +72,7 @@ UNIT_TEST(broken_documents_are_refused) {
         {"{" ASSET ",'extensions':{'KHR_lights_punctual':{'lights':3}}}",
          "extensions.KHR_lights_punctual.lights: is a number; expected an array"},
     };
-    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+    assert_all_rejected(files, sizeof files / sizeof *files);
 }
 
 #define MESH(primitive) SHOWN("'meshes':[{'primitives':[{" primitive "}]}]")
@@ -98,7 +97,7 @@ UNIT_TEST(broken_meshes_are_refused) {
         {MESH("'attributes':{'POSITION':0},'material':2"), "primitives[0].material: is 2"},
         {MESH("'attributes':7"), "primitives[0].attributes: is a number; expected an object"},
     };
-    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+    assert_all_rejected(files, sizeof files / sizeof *files);
 }
 
 UNIT_TEST(broken_accessors_are_refused) {
@@ -139,13 +138,12 @@ UNIT_TEST(broken_accessors_are_refused) {
          "}",
          "buffers[0].uri: is \"http://a/b\""},
     };
-    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+    assert_all_rejected(files, sizeof files / sizeof *files);
 }
 
 /* A few bytes may not ask for any amount of memory: elements that are zero, and nothing else, by the million;
  * one array unrolled again and again. The same in proportion to the file is fine. */
 UNIT_TEST(memory_out_of_proportion_is_refused) {
-    fixture *f = *state;
     const bad_file files[] = {
         {"{" ASSET ",'accessors':[{" VEC3(1000000) "}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}"
                                                    "]}]}",
@@ -155,49 +153,46 @@ UNIT_TEST(memory_out_of_proportion_is_refused) {
                     "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]}",
          "raises what the file needs to"},
     };
-    assert_all_rejected(f, files, sizeof files / sizeof *files);
-    write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
-                                                             "'POSITION':0}}]}]}");
-    fathom_scene *scene = new_scene(f->context);
-    assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &plain));
+    assert_all_rejected(files, sizeof files / sizeof *files);
+    write_triangle("{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
+                                                          "'POSITION':0}}]}]}");
+    fathom_scene *scene = new_scene(context);
+    assert_ok(context, read_gltf(scene, FATHOM_ROOT, file_path, &plain));
 }
 
 /* What making normals takes meanwhile counts, and is given back: the second file makes them three times. */
 UNIT_TEST(normals_out_of_proportion_are_refused) {
-    fixture *f = *state;
     const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
     fathom_scene *scene;
-    write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
-                                                             "'POSITION':0}}]}]}");
-    scene = new_scene(f->context);
-    assert_fails(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth), FATHOM_BAD_INPUT,
+    write_triangle("{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
+                                                          "'POSITION':0}}]}]}");
+    scene = new_scene(context);
+    assert_fails(context, read_gltf(scene, FATHOM_ROOT, file_path, &smooth), FATHOM_BAD_INPUT,
                  "meshes[0].primitives[0]: raises what the file needs to 156000 bytes of memory");
 #define PART "{'attributes':{'POSITION':0}}"
-    write_triangle(f, "{" ASSET ",'accessors':[{" VEC3(999) "}],'meshes':[{'primitives':[" PART "," PART
-                                                            "," PART "]}]}");
+    write_triangle("{" ASSET ",'accessors':[{" VEC3(999) "}],'meshes':[{'primitives':[" PART "," PART "," PART
+                                                         "]}]}");
 #undef PART
-    scene = new_scene(f->context);
-    assert_ok(f->context, read_gltf(scene, FATHOM_ROOT, f->path, &smooth));
+    scene = new_scene(context);
+    assert_ok(context, read_gltf(scene, FATHOM_ROOT, file_path, &smooth));
 }
 
 /* What a message quotes cannot steer the terminal that shows it. */
 UNIT_TEST(control_characters_are_not_printed) {
-    fixture *f = *state;
-    write_triangle(f, "{'asset':{'version':'\\u001b[2J\\n'}}");
-    assert_rejected(f, "asset.version: is \"?[2J?\"");
+    write_triangle("{'asset':{'version':'\\u001b[2J\\n'}}");
+    assert_rejected("asset.version: is \"?[2J?\"");
 }
 
 UNIT_TEST(wrong_values_name_their_place) {
-    fixture *f = *state;
     triangle_data data = triangle;
     data.positions[2][1] = NAN;
-    write_glb(f, SHOWN(TRIANGLE_MESH), &data, sizeof data);
-    assert_rejected(f, "meshes[0].primitives[0].attributes.POSITION: entry[2]: expected finite numbers");
+    write_glb(SHOWN(TRIANGLE_MESH), &data, sizeof data);
+    assert_rejected("meshes[0].primitives[0].attributes.POSITION: entry[2]: expected finite numbers");
     data = triangle;
     data.indices[1] = 3;
-    write_glb(f, SHOWN(TRIANGLE_MESH), &data, sizeof data);
+    write_glb(SHOWN(TRIANGLE_MESH), &data, sizeof data);
     assert_rejected(
-        f, "meshes[0].primitives[0].indices: entry[1]: 3, of triangle 0, is out of range; there are 3");
+        "meshes[0].primitives[0].indices: entry[1]: 3, of triangle 0, is out of range; there are 3");
 }
 
 #define NODES(nodes) WITH_DATA(TRIANGLE_MESH ",'nodes':[" nodes "]")
@@ -222,7 +217,7 @@ UNIT_TEST(broken_nodes_are_refused) {
         {NODES("{'extensions':{'KHR_lights_punctual':{'light':0}}}"),
          "nodes[0].extensions.KHR_lights_punctual.light: is 0; expected an index into lights"},
     };
-    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+    assert_all_rejected(files, sizeof files / sizeof *files);
 }
 
 #define LIGHT(light)                                                                                         \
@@ -241,7 +236,7 @@ UNIT_TEST(broken_lights_and_materials_are_refused) {
          "materials[0].pbrMetallicRoughness.metallicFactor: is a string; expected a number"},
         {MATERIAL("'name':3"), "materials[0].name: is a number; expected a string"},
     };
-    assert_all_rejected(*state, files, sizeof files / sizeof *files);
+    assert_all_rejected(files, sizeof files / sizeof *files);
 }
 
 /* ---- damaged files ---- */
@@ -258,9 +253,9 @@ UNIT_TEST(broken_lights_and_materials_are_refused) {
 #define RICH_GLTF "{" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,%s'}]," RICH
 
 /* OK or a message, and what was read can be walked over: every vertex that a triangle names is there. */
-static bool read_damaged(fixture *f) {
-    fathom_scene *scene = new_scene(f->context);
-    fathom_status status = read_gltf(scene, FATHOM_ROOT, f->path, &plain);
+static bool read_damaged(void) {
+    fathom_scene *scene = new_scene(context);
+    fathom_status status = read_gltf(scene, FATHOM_ROOT, file_path, &plain);
     if (status == FATHOM_OK) {
         for (size_t m = 0; m < scene->meshes.count; ++m) {
             for (uint32_t t = 0; t < scene->meshes.items[m].triangle_count; ++t) {
@@ -269,30 +264,30 @@ static bool read_damaged(fixture *f) {
         }
     } else {
         assert_int_equal(status, FATHOM_BAD_INPUT);
-        const char *message = fathom_context_message(f->context);
-        if (!strstr(message, f->path)) fail_msg("\"%s\" does not name the file", message);
+        const char *message = fathom_context_message(context);
+        if (!strstr(message, file_path)) fail_msg("\"%s\" does not name the file", message);
     }
+    unit_end_things(0);
     return status == FATHOM_OK;
 }
 
 UNIT_TEST(truncation_anywhere_is_an_error) {
-    fixture *f = *state;
     unsigned char glb[8192];
     size_t size = make_glb(RICH_GLB, &triangle, sizeof triangle, glb);
     for (size_t cut = 1; cut < size; ++cut) {
-        write_bytes(f, "test.glb", glb, cut);
-        assert_false(read_damaged(f));
+        write_bytes("test.glb", glb, cut);
+        assert_false(read_damaged());
         /* With a header that fits, only the contents can tell. */
         if (cut < 20) continue;
         unsigned char changed[8192];
         memcpy(changed, glb, cut);
         uint32_t length = (uint32_t)cut;
         memcpy(changed + 8, &length, 4);
-        write_bytes(f, "test.glb", changed, cut);
-        assert_false(read_damaged(f));
+        write_bytes("test.glb", changed, cut);
+        assert_false(read_damaged());
     }
-    write_bytes(f, "test.glb", glb, size);
-    assert_true(read_damaged(f));
+    write_bytes("test.glb", glb, size);
+    assert_true(read_damaged());
 }
 
 /* xorshift64: the same bytes on every machine. */
@@ -304,7 +299,7 @@ static uint64_t next_random(uint64_t *x) {
 }
 
 /* Reads the file 10^4 times, each time with one to three bytes changed. */
-static void damage(fixture *f, const char *name, const unsigned char *bytes, size_t size) {
+static void damage(const char *name, const unsigned char *bytes, size_t size) {
     unsigned char changed[8192];
     size_t good = 0;
     uint64_t random = 0x9E3779B97F4A7C15;
@@ -317,8 +312,8 @@ static void damage(fixture *f, const char *name, const unsigned char *bytes, siz
             bool digit = changed[at] >= '0' && changed[at] <= '9';
             changed[at] = digit && byte & 1 ? (unsigned char)('0' + byte % 10) : byte;
         }
-        write_bytes(f, name, changed, size);
-        good += read_damaged(f);
+        write_bytes(name, changed, size);
+        good += read_damaged();
     }
     /* Both happen, or the test tests nothing. */
     assert_in_range(good, 100, 9900);
@@ -326,7 +321,7 @@ static void damage(fixture *f, const char *name, const unsigned char *bytes, siz
 
 UNIT_TEST(random_bytes_do_no_harm) {
     unsigned char glb[8192];
-    damage(*state, "test.glb", glb, make_glb(RICH_GLB, &triangle, sizeof triangle, glb));
+    damage("test.glb", glb, make_glb(RICH_GLB, &triangle, sizeof triangle, glb));
 }
 
 /* The same with the buffer in base64, which is decoded into memory of its own. */
@@ -337,7 +332,7 @@ UNIT_TEST(random_characters_do_no_harm) {
     for (char *c = json; *c; ++c) {
         if (*c == '\'') *c = '"';
     }
-    damage(*state, "test.gltf", (const unsigned char *)json, strlen(json));
+    damage("test.gltf", (const unsigned char *)json, strlen(json));
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -3,19 +3,18 @@
 
 /* Extensions that say nothing about how things look may be required. */
 UNIT_TEST(facts_may_be_required) {
-    read_triangle(*state,
-                  WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['KHR_xmp_json_ld','EXT_mesh_features']"));
-    assert_int_equal(((fixture *)*state)->warnings, 0);
+    read_triangle(WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['KHR_xmp_json_ld','EXT_mesh_features']"));
+    assert_int_equal(warning_count, 0);
 }
 
 /* A triangle whose material uses this extension, which the file does not require. */
-static unsigned notes_on(fixture *f, const char *extension) {
+static unsigned notes_on(const char *extension) {
     char json[4096];
     snprintf(json, sizeof json,
              WITH_DATA(TRIANGLE_MESH ",'extensionsUsed':['%s'],'materials':[{'extensions':{'%s':{}}}]"),
              extension, extension);
-    read_triangle(f, json);
-    return f->warnings;
+    read_triangle(json);
+    return warning_count;
 }
 
 UNIT_TEST(extensions_that_change_no_image_add_no_note) {
@@ -34,7 +33,7 @@ UNIT_TEST(extensions_that_change_no_image_add_no_note) {
                                         "MSFT_packing_normalRoughnessMetallic",
                                         "VRMC_vrm"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (notes_on(*state, names[i])) fail_msg("%s", ((fixture *)*state)->warning);
+        if (notes_on(names[i])) fail_msg("%s", warned);
 }
 
 /* One note, which names the extension and says what is shown in its place. */
@@ -46,19 +45,17 @@ UNIT_TEST(extensions_that_change_an_image_say_what_is_shown) {
                  {"EXT_lights_image_based", "do not light the scene; --environment takes an image that does"},
                  {"CESIUM_primitive_outline", "outlines are not drawn"},
                  {"VRMC_materials_mtoon", "materials have glTF's own parameters alone"}};
-    fixture *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char expected[128];
         snprintf(expected, sizeof expected, "materials[0]: the extension %s is ignored: ", cases[i].name);
-        assert_int_equal(notes_on(f, cases[i].name), 1);
-        if (!strstr(f->warning, expected) || !strstr(f->warning, cases[i].shown)) fail_msg("%s", f->warning);
+        assert_int_equal(notes_on(cases[i].name), 1);
+        if (!strstr(warned, expected) || !strstr(warned, cases[i].shown)) fail_msg("%s", warned);
     }
 }
 
 UNIT_TEST(extensions_that_change_an_image_are_refused_by_name_when_required) {
     static const char *const names[] = {"KHR_gaussian_splatting", "KHR_texture_procedurals",
                                         "KHR_accessor_float64", "EXT_texture_astc", "A_b"};
-    fixture *f = *state;
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         char json[4096], expected[256];
         snprintf(json, sizeof json, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['%s']"), names[i]);
@@ -66,9 +63,9 @@ UNIT_TEST(extensions_that_change_an_image_are_refused_by_name_when_required) {
                  "extensionsRequired[0]: the file cannot be read without the extension \"%s\", which is not "
                  "supported; export it without",
                  names[i]);
-        write_triangle(f, json);
-        assert_bad_input(f, expected);
+        write_triangle(json);
+        assert_bad_input(expected);
     }
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -9,19 +9,18 @@
     WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'TEXCOORD_0':5,'TEXCOORD_1':5},"         \
               "'material':0}]}],'nodes':[{'mesh':0}]," TEXELS "," textures ",'materials':[{" material "}]")
 
-static fathom_material material_of(fixture *f, const char *json) {
-    fathom_scene *scene = read_triangle(f, json);
+static fathom_material material_of(const char *json) {
+    fathom_scene *scene = read_triangle(json);
     const fathom_material out = scene->materials.items[1].value;
     return out;
 }
 
-#define LOST(extension) material_of(f, MATERIAL("'extensions':{" extension "}", "'textures':[{'source':1}]"))
+#define LOST(extension) material_of(MATERIAL("'extensions':{" extension "}", "'textures':[{'source':1}]"))
 #define IMAGE(name) "'" name "':{'index':0}"
 
 /* Factors next to an image are mostly 1, and the image says where. Without it, a layer would be everywhere.
  */
 UNIT_TEST(lost_images_leave_no_layer) {
-    fixture *f = *state;
     fathom_material m = LOST("'KHR_materials_clearcoat':{'clearcoatFactor':1," IMAGE("clearcoatTexture") "}");
     assert_true(m.clearcoat == 0);
     m = LOST("'KHR_materials_sheen':{'sheenColorFactor':[1,1,1]," IMAGE("sheenColorTexture") "}");
@@ -35,14 +34,13 @@ UNIT_TEST(lost_images_leave_no_layer) {
     assert_true(m.diffuse_transmission == 0);
     m = LOST("'KHR_materials_transmission':{'transmissionFactor':1," IMAGE("transmissionTexture") "}");
     assert_true(m.transmission == 0);
-    assert_non_null(strstr(f->warning, "no.png"));
+    expect_warning("no.png");
     m = LOST("'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatTexture':{'index':-1}}");
     assert_true(m.clearcoat == 1); /* it has no image to lose */
 }
 
 /* The specular colour tints the 4 % that the ior reflects; with ior 0 it is all that is reflected. */
 UNIT_TEST(lost_specular_colours_leave_plain_plastic) {
-    fixture *f = *state;
     fathom_material m = LOST("'KHR_materials_specular':{'specularColorFactor':[1,0.5,1]," IMAGE(
         "specularColorTexture") "," IMAGE("specularTexture") "}");
     assert_true(m.specular_color[0] == 1 && m.specular_color[1] == 0.5f && m.specular_factor == 1);
@@ -54,18 +52,17 @@ UNIT_TEST(lost_specular_colours_leave_plain_plastic) {
 
 /* Images are opened by the render: if that fails, its message still has the place in the file. */
 UNIT_TEST(images_know_their_place_in_the_file) {
-    fixture *f = *state;
     fathom_scene *scene = read_triangle(
-        f, SHOWN("'images':[{'uri':'data:image/png;base64,AAAA'},{'name':'w','uri':'data:;base64,AAAB'}],"
-                 "'textures':[{'source':0},{'source':1}],'materials':[{'normalTexture':{'index':0},"
-                 "'emissiveTexture':{'index':1}}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,"
-                 "'TEXCOORD_0':5},'material':0}]}]"));
+        SHOWN("'images':[{'uri':'data:image/png;base64,AAAA'},{'name':'w','uri':'data:;base64,AAAB'}],"
+              "'textures':[{'source':0},{'source':1}],'materials':[{'normalTexture':{'index':0},"
+              "'emissiveTexture':{'index':1}}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,"
+              "'TEXCOORD_0':5},'material':0}]}]"));
     const fathom_map *maps = scene->materials.items[scene->meshes.items[0].material].value.maps;
     const int kinds[] = {FATHOM_MAP_NORMAL, FATHOM_MAP_EMISSIVE};
     for (int i = 0; i < 2; ++i) {
         const fathom_place *place = scene_origin_find(scene, SCENE_PART_TEXTURE, maps[kinds[i]].texture);
         assert_non_null(place);
-        assert_string_equal(place->file, f->path);
+        assert_string_equal(place->file, file_path);
         assert_string_equal(place->field, i ? "images[1]" : "images[0]");
     }
 }
@@ -75,7 +72,6 @@ UNIT_TEST(images_know_their_place_in_the_file) {
 /* Each direction wraps by itself; filters without mip levels take none; the same image with another sampler
  * is another texture. */
 UNIT_TEST(samplers_are_followed) {
-    fixture *f = *state;
     static const struct {
         const char *sampler;
         fathom_wrap u, v;
@@ -100,14 +96,14 @@ UNIT_TEST(samplers_are_followed) {
                  MATERIAL(COLOR("") ",'emissiveFactor':[1,1,1],'emissiveTexture':{'index':1}",
                           "'samplers':[{%s}],'textures':[{'source':0,'sampler':0},{'source':0}]"),
                  cases[i].sampler);
-        fathom_scene *scene = read_triangle(f, json);
+        fathom_scene *scene = read_triangle(json);
         const fathom_material *m = &scene->materials.items[1].value;
         const fathom_texture *t = &scene->textures.items[m->maps[FATHOM_MAP_COLOR].texture],
                              *other = &scene->textures.items[m->maps[FATHOM_MAP_EMISSIVE].texture];
         if (t->wrap_u != cases[i].u || t->wrap_v != cases[i].v || t->filter != cases[i].filter ||
-            f->warnings != cases[i].warnings)
+            warning_count != cases[i].warnings)
             fail_msg("{%s}: %d, %d, %d, %u warnings", cases[i].sampler, (int)t->wrap_u, (int)t->wrap_v,
-                     (int)t->filter, f->warnings);
+                     (int)t->filter, warning_count);
         assert_int_equal(other->wrap_u, FATHOM_WRAP_REPEAT);
         assert_int_equal(other->filter, FATHOM_TEXTURE_TRILINEAR);
     }
@@ -116,7 +112,6 @@ UNIT_TEST(samplers_are_followed) {
 /* The extension's own set of texture coordinates overrides the texture's; what is not given changes nothing.
  */
 UNIT_TEST(transforms_choose_their_set) {
-    fixture *f = *state;
     static const char textures[] = "'textures':[{'source':0}]";
     char json[4096];
     static const struct {
@@ -133,23 +128,22 @@ UNIT_TEST(transforms_choose_their_set) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         snprintf(json, sizeof json, MATERIAL(COLOR("%s"), "%s"), textures, cases[i].more);
-        const fathom_map map = material_of(f, json).maps[FATHOM_MAP_COLOR];
+        const fathom_map map = material_of(json).maps[FATHOM_MAP_COLOR];
         assert_int_equal(map.uv_set, cases[i].set);
         for (int k = 0; k < 6; ++k) assert_true(map.transform[k] == cases[i].transform[k]);
     }
     snprintf(json, sizeof json, MATERIAL(COLOR(",'texCoord':2"), "%s"), textures);
-    assert_int_equal(material_of(f, json).maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
-    assert_non_null(strstr(f->warning, "beyond the second"));
+    assert_int_equal(material_of(json).maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
+    expect_warning("beyond the second");
 }
 
 /* An unlit surface sends its colour, through its image, where its alpha lets it. */
 UNIT_TEST(unlit_images_are_masked) {
-    fixture *f = *state;
     const fathom_material m = material_of(
-        f, MATERIAL("'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.25,1,0.75],"
-                    "'baseColorTexture':{'index':0,'texCoord':1}},'emissiveFactor':[1,1,1],'extensions':{"
-                    "'KHR_materials_unlit':{}}",
-                    "'textures':[{'source':0}]"));
+        MATERIAL("'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[0.5,0.25,1,0.75],"
+                 "'baseColorTexture':{'index':0,'texCoord':1}},'emissiveFactor':[1,1,1],'extensions':{"
+                 "'KHR_materials_unlit':{}}",
+                 "'textures':[{'source':0}]"));
     assert_true(m.emissive[0] == 0.5f && m.emissive[1] == 0.25f && m.emissive[2] == 1);
     assert_true(m.opacity == 0.75f && m.opacity_cutoff == 0.5f && m.base_color[2] == 0);
     assert_int_equal(m.maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
@@ -159,7 +153,6 @@ UNIT_TEST(unlit_images_are_masked) {
 
 /* The colours of the file multiply the material that an object of a scene gives it, as those of PLY do. */
 UNIT_TEST(colours_stay_with_another_material) {
-    fixture *f = *state;
     build b = {.size = 0};
     static const char ply[] =
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -171,13 +164,13 @@ UNIT_TEST(colours_stay_with_another_material) {
         "\"grey\"}]}";
     const int points = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
               colors = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0.5f, 0.5f, 0.25f, 1, 0, 0.5f, 0, 0, 1, 0.5f);
-    build_write(f, &b,
+    build_write(&b,
                 "'materials':[{}],'meshes':[{'primitives':[{'material':0,'attributes':{'POSITION':%d,"
                 "'COLOR_0':%d}},{'mode':1,'attributes':{'POSITION':%d,'COLOR_0':%d}}]}],'nodes':[{'mesh':0}]",
                 points, colors, points, colors);
-    write_bytes(f, "test.ply", ply, strlen(ply));
-    write_bytes(f, "test.json", json, strlen(json));
-    fathom_scene *scene = scene_of_file(f->context, f->path);
+    write_bytes("test.ply", ply, strlen(ply));
+    write_bytes("test.json", json, strlen(json));
+    fathom_scene *scene = scene_of_file(context, file_path);
     assert_int_equal(scene->meshes.count, 3);
     const fathom_mesh *from_ply = &scene->meshes.items[2];
     for (size_t m = 0; m < 2; ++m) {
@@ -191,4 +184,4 @@ UNIT_TEST(colours_stay_with_another_material) {
     }
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

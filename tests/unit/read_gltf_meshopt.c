@@ -8,7 +8,7 @@
 enum { VERTICES = 40 };
 
 /* A grid, packed with the mode ATTRIBUTES, and its triangles with TRIANGLES. */
-static void write_meshopt(fixture *f, size_t cut, const char *filter, int count) {
+static void write_meshopt(size_t cut, const char *filter, int count) {
     float vertices[VERTICES][3];
     uint32_t indices[(VERTICES - 2) * 3];
     build b = {.size = 0};
@@ -33,13 +33,12 @@ static void write_meshopt(fixture *f, size_t cut, const char *filter, int count)
         "'componentType':5126,'type':'VEC3','count':40},{'bufferView':1,'componentType':5125,'type':'SCALAR',"
         "'count':114}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':1}]}]}",
         first, count, filter, second);
-    write_glb(f, json, b.bytes, 8192);
+    write_glb(json, b.bytes, 8192);
 }
 
 UNIT_TEST(meshopt_unpacks_to_what_was_packed) {
-    fixture *f = *state;
-    write_meshopt(f, 0, "", VERTICES);
-    fathom_scene *scene = read_file(f);
+    write_meshopt(0, "", VERTICES);
+    fathom_scene *scene = read_file();
     assert_int_equal(scene->meshes.items[0].triangle_count, VERTICES - 2);
     double area = 0;
     for (uint32_t t = 0; t < VERTICES - 2; ++t) {
@@ -72,7 +71,6 @@ static void put_filtered(build *b, const char *filter, const void *elements, siz
  * components as fractions of 1/sqrt(2) of the fourth number, without its last two bits, which name the
  * component that is missing. */
 UNIT_TEST(meshopt_filters_follow_the_equations_of_the_extension) {
-    fixture *f = *state;
     build b = {.size = 0};
     const uint32_t points[4][3] = {{EXPONENTIAL(0, 0), EXPONENTIAL(0, 5), EXPONENTIAL(0, -9)},
                                    {EXPONENTIAL(3, -1), 0, 0},
@@ -99,8 +97,8 @@ UNIT_TEST(meshopt_filters_follow_the_equations_of_the_extension) {
         "'meshes':[{'primitives':[{'mode':5,'attributes':{'POSITION':0,'NORMAL':1}}]}],'nodes':[{'mesh':0,"
         "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'ROTATION':2}}}}],'scenes':[{'nodes':[0]}]}",
         b.size, b.views, b.accessors);
-    write_glb(f, json, b.bytes, b.size);
-    fathom_scene *scene = read_file(f);
+    write_glb(json, b.bytes, b.size);
+    fathom_scene *scene = read_file();
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_vec(corner(scene, 0, 0, 1), 1.5, 0, 0, 0);
     assert_vec(corner(scene, 0, 0, 2), 0, -20, 0, 0);
@@ -116,18 +114,17 @@ UNIT_TEST(meshopt_filters_follow_the_equations_of_the_extension) {
 }
 
 UNIT_TEST(broken_meshopt_is_refused) {
-    fixture *f = *state;
-    write_meshopt(f, 1, "", VERTICES);
+    write_meshopt(1, "", VERTICES);
     assert_bad_input(
-        f, "bufferViews[0].extensions.EXT_meshopt_compression: cannot be unpacked: the data is broken");
-    write_meshopt(f, 0, ",'filter':'OCTAHEDRAL'", VERTICES);
-    assert_bad_input(f, "byteStride: is 12, which does not go with the mode and the filter");
-    write_meshopt(f, 0, ",'filter':'BOXES'", VERTICES);
-    assert_bad_input(f, "filter: is \"BOXES\"; expected one that EXT_meshopt_compression has");
-    write_meshopt(f, 0, ",'filter':'QUATERNION'", VERTICES);
-    assert_bad_input(f, "byteStride: is 12, which does not go with the mode and the filter");
-    write_meshopt(f, 0, "", 16);
-    assert_bad_input(f, "EXT_meshopt_compression: cannot be unpacked");
+        "bufferViews[0].extensions.EXT_meshopt_compression: cannot be unpacked: the data is broken");
+    write_meshopt(0, ",'filter':'OCTAHEDRAL'", VERTICES);
+    assert_bad_input("byteStride: is 12, which does not go with the mode and the filter");
+    write_meshopt(0, ",'filter':'BOXES'", VERTICES);
+    assert_bad_input("filter: is \"BOXES\"; expected one that EXT_meshopt_compression has");
+    write_meshopt(0, ",'filter':'QUATERNION'", VERTICES);
+    assert_bad_input("byteStride: is 12, which does not go with the mode and the filter");
+    write_meshopt(0, "", 16);
+    assert_bad_input("EXT_meshopt_compression: cannot be unpacked");
 }
 
 /* ---- version 1 of ATTRIBUTES, which is not the library's ---- */
@@ -163,7 +160,7 @@ static void make_colored(colored *c, const char *name) {
     c->colors = pack_plain((const unsigned char *)colors, 3, 4, c->b.bytes + 128);
 }
 
-static void write_colored(fixture *f, const colored *c) {
+static void write_colored(const colored *c) {
     char json[4096];
     snprintf(
         json, sizeof json,
@@ -176,19 +173,18 @@ static void write_colored(fixture *f, const colored *c) {
         "'VEC3','count':3},{'bufferView':1,'componentType':5121,'normalized':true,'type':'VEC4','count':"
         "3}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1}}]}]}",
         c->name, c->name, c->name, c->name, c->points, c->name, c->colors);
-    write_glb(f, json, c->b.bytes, 512);
+    write_glb(json, c->b.bytes, 512);
 }
 
 UNIT_TEST(both_names_have_version_1_and_colours) {
-    fixture *f = *state;
     static const char *const names[] = {"KHR_meshopt_compression", "EXT_meshopt_compression"};
     for (size_t n = 0; n < 2; ++n) {
         colored c;
         make_colored(&c, names[n]);
-        write_colored(f, &c);
-        fathom_scene *scene = read_file(f);
+        write_colored(&c);
+        fathom_scene *scene = read_file();
         const fathom_mesh *mesh = &scene->meshes.items[0];
-        assert_int_equal(f->warnings, 0);
+        assert_int_equal(warning_count, 0);
         assert_vec(corner(scene, 0, 0, 1), 1.5, 0, -7, 0);
         assert_vec(corner(scene, 0, 0, 2), 0, 3, 0, 0);
         for (uint32_t i = 0; i < 3; ++i) {
@@ -201,31 +197,27 @@ UNIT_TEST(both_names_have_version_1_and_colours) {
 }
 
 UNIT_TEST(broken_version_1_is_refused_with_its_view) {
-    fixture *f = *state;
     colored c;
     make_colored(&c, "KHR_meshopt_compression");
     --c.points;
-    write_colored(f, &c);
-    assert_bad_input(f,
-                     "bufferViews[0].extensions.KHR_meshopt_compression: cannot be unpacked: the data ends "
+    write_colored(&c);
+    assert_bad_input("bufferViews[0].extensions.KHR_meshopt_compression: cannot be unpacked: the data ends "
                      "too early");
     c.points += 2;
-    write_colored(f, &c);
+    write_colored(&c);
     assert_bad_input(
-        f, "bufferViews[0].extensions.KHR_meshopt_compression: cannot be unpacked: the data has more "
-           "bytes than its elements need");
+        "bufferViews[0].extensions.KHR_meshopt_compression: cannot be unpacked: the data has more "
+        "bytes than its elements need");
     make_colored(&c, "KHR_meshopt_compression");
     c.b.bytes[128 + 1 + 1 + 9] = 0; /* the first alpha */
-    write_colored(f, &c);
-    assert_bad_input(f,
-                     "bufferViews[1].extensions.KHR_meshopt_compression: cannot be unpacked: the alpha of a "
+    write_colored(&c);
+    assert_bad_input("bufferViews[1].extensions.KHR_meshopt_compression: cannot be unpacked: the alpha of a "
                      "colour is 0 or 1");
 }
 
 /* Two triangles of a square. TRIANGLES: three new corners; then the edge from the first to the third and a
  * new corner. INDICES: the difference to the index before, four times it, or minus four times it minus 2. */
 UNIT_TEST(indices_follow_the_specification) {
-    fixture *f = *state;
     static const unsigned char triangles[19] = {0xe1, 0xf0, 0x00}, indices[11] = {0xd1, 0, 4, 4, 6, 8, 4};
     static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
     for (int i = 0; i < 2; ++i) {
@@ -243,8 +235,8 @@ UNIT_TEST(indices_follow_the_specification) {
             "5123,'type':'SCALAR','count':6}],'meshes':[{'primitives':[{'attributes':{'POSITION':0},"
             "'indices':1}]}]}",
             i ? 11 : 19, i ? "INDICES" : "TRIANGLES");
-        write_glb(f, json, bytes, sizeof bytes);
-        fathom_scene *scene = read_file(f);
+        write_glb(json, bytes, sizeof bytes);
+        fathom_scene *scene = read_file();
         assert_int_equal(scene->meshes.items[0].triangle_count, 2);
         assert_memory_equal(scene->meshes.items[0].indices, corners, sizeof corners);
     }
@@ -253,17 +245,16 @@ UNIT_TEST(indices_follow_the_specification) {
 /* meshoptimizer 0.22 decodes a draft of version 1 whose first byte is 0xae; the answer must not depend on it.
  */
 UNIT_TEST(versions_that_the_extension_does_not_have_are_refused) {
-    fixture *f = *state;
     for (unsigned first = 0; first < 256; ++first) {
         colored c;
         if (first == 0xa0 || first == 0xa1) continue;
         make_colored(&c, "KHR_meshopt_compression");
         c.b.bytes[0] = (unsigned char)first;
-        write_colored(f, &c);
-        assert_bad_input(f, "cannot be unpacked: the data begins with neither 0xa0 nor 0xa1");
+        write_colored(&c);
+        assert_bad_input("cannot be unpacked: the data begins with neither 0xa0 nor 0xa1");
     }
 }
 
 #endif
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

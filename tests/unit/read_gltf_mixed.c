@@ -35,7 +35,6 @@ static const float *row_of(const float *values, size_t stride, size_t i) {
 
 /* max(c / 127, -1) and max(c / 32767, -1), for what is replaced as for what is not. */
 UNIT_TEST(sparse_values_are_normalized_as_others) {
-    fixture *f = *state;
     static const char scaled[] = ",'normalized':true";
     build b = {.size = 0};
     const int points = PUT_SHORTS(&b, "VEC3", 3, scaled, 0, 0, 0, 32767, 0, 0, 0, -32768, 0),
@@ -44,10 +43,10 @@ UNIT_TEST(sparse_values_are_normalized_as_others) {
               normals = PUT_SIGNED(&b, "VEC3", 2, scaled, 0, 0, 127, -128, 64, 0),
               sparse = put_sparse(&b, 5122, "VEC3", 3, points, 2, which, 5121, moved, scaled),
               sparse_normals = put_sparse(&b, 5120, "VEC3", 3, -1, 2, which, 5121, normals, scaled);
-    build_write(f, &b,
+    build_write(&b,
                 "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d}}]}],'nodes':[{'mesh':0}]",
                 sparse, sparse_normals);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     const fathom_mesh *m = &scene->meshes.items[0];
     assert_vec(corner(scene, 0, 0, 0), -1, (double)(16384 / 32767.0f), 0, 0);
     assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
@@ -59,7 +58,6 @@ UNIT_TEST(sparse_values_are_normalized_as_others) {
 
 /* Colours and uvs in bytes, sparse over nothing; KHR_mesh_quantization has uvs that are not normalized. */
 UNIT_TEST(sparse_looks_are_read) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
               which = put_typed(&b, 5123, "SCALAR", 1, (const uint16_t[]){1}, 2, ""),
@@ -67,11 +65,11 @@ UNIT_TEST(sparse_looks_are_read) {
               colors = put_sparse(&b, 5121, "VEC4", 3, -1, 1, which, 5123, color, ",'normalized':true"),
               uvs = put_sparse(&b, 5121, "VEC2", 3, -1, 1, which, 5123, uv, ""),
               uvs_1 = put_sparse(&b, 5121, "VEC2", 3, -1, 1, which, 5123, uv, ",'normalized':true");
-    build_write(f, &b,
+    build_write(&b,
                 "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'COLOR_0':%d,'TEXCOORD_0':%d,"
                 "'TEXCOORD_1':%d},'material':0}]}],'materials':[{'alphaMode':'BLEND'}],'nodes':[{'mesh':0}]",
                 points, colors, uvs, uvs_1);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     const fathom_mesh *m = &scene->meshes.items[0];
     assert_int_equal(m->color_channels, 4);
     for (size_t i = 0; i < 3; ++i) {
@@ -86,7 +84,6 @@ UNIT_TEST(sparse_looks_are_read) {
 /* Of each key the in-tangents of all weights, then their values, then their out-tangents (specification,
  * 3.11). Targets are sparse, as exporters write them. */
 UNIT_TEST(splines_of_weights_move_sparse_targets) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), which = PUT_BYTES(&b, "SCALAR", 1, 2),
               up = PUT_FLOATS(&b, "VEC3", 1, 0, 0, 8), aside = PUT_FLOATS(&b, "VEC3", 1, -4, 0, 0),
@@ -95,7 +92,7 @@ UNIT_TEST(splines_of_weights_move_sparse_targets) {
               times = PUT_FLOATS(&b, "SCALAR", 2, 1, 3),
               weights = PUT_FLOATS(&b, "SCALAR", 12, 9, 9, 0, 1, 1, 0.5f, 0.25f, -1, 1, 0.5f, 9, 9);
     build_write(
-        f, &b,
+        &b,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'targets':[{'POSITION':%d},{'POSITION':"
         "%d}]}]}],'nodes':[{'mesh':0}],'animations':[{'samplers':[{'input':%d,'output':%d,"
         "'interpolation':'CUBICSPLINE'}],'channels':[{'sampler':0,'target':{'node':0,'path':'weights'}"
@@ -103,16 +100,15 @@ UNIT_TEST(splines_of_weights_move_sparse_targets) {
         points, first, second, times, weights);
     /* In the middle of 2 seconds: (a + b) / 2 + 2 (out - in) / 8. */
     const double w[2] = {0.5 + 0.25 * (1 - 0.25), 0.75 + 0.25 * (0.5 + 1)};
-    fathom_scene *scene = read_at(f, 2);
+    fathom_scene *scene = read_at(2);
     assert_vec(corner(scene, 0, 0, 2), -4 * w[1], 1, 8 * w[0], 0);
     assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
-    scene = read_at(f, 3);
+    scene = read_at(3);
     assert_vec(corner(scene, 0, 0, 2), -2, 1, 8, 0);
 }
 
 /* A weight of 0 when the shutter opens: the stored vertices, interleaved with others, are the first key. */
 UNIT_TEST(moving_targets_may_begin_at_rest) {
-    fixture *f = *state;
     build b = {.size = 0};
     static const float mixed[] = {0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 1};
     const int both = put_typed(&b, 5126, "VEC3", 3, mixed, sizeof mixed, ""),
@@ -127,7 +123,7 @@ UNIT_TEST(moving_targets_may_begin_at_rest) {
     snprintf(last, 256, "{'bufferView':%d,'byteOffset':12,'componentType':5126,'type':'VEC3','count':3}",
              both);
     build_write(
-        f, &b,
+        &b,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d},'targets':[{'POSITION':%d}]"
         "}]}],'nodes':[{'mesh':0}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':["
         "{'sampler':0,'target':{'node':0,'path':'weights'}}]}]",
@@ -135,7 +131,7 @@ UNIT_TEST(moving_targets_may_begin_at_rest) {
     fathom_read_options asked = default_read_options();
     fathom_scene *scene;
     asked.choose_time = true, asked.time = 0, asked.shutter = 1;
-    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_ok(context, read_asked(&asked, &scene));
     const fathom_mesh *m = &scene->meshes.items[0];
     assert_int_equal(m->key_count, 2);
     for (size_t k = 0; k < 2; ++k) {
@@ -150,18 +146,17 @@ UNIT_TEST(moving_targets_may_begin_at_rest) {
 /* A quaternion of a spline is normalized before use; here (0, 0, sqrt(1/2), sqrt(1/2)) / 2 from normalized
  * shorts. */
 UNIT_TEST(splines_of_rotations_are_normalized) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE), times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
               turns = PUT_SHORTS(&b, "VEC4", 6, ",'normalized':true", 0, 0, 0, 0, 0, 0, 0, 32767, 0, 0, 0, 0,
                                  0, 0, 0, 0, 0, 0, 32767, 0, 0, 0, 0, 0);
     build_write(
-        f, &b,
+        &b,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[{'mesh':0}],'animations':["
         "{'samplers':[{'input':%d,'output':%d,'interpolation':'CUBICSPLINE'}],'channels':[{'sampler':0,"
         "'target':{'node':0,'path':'rotation'}}]}]",
         points, times, turns);
-    fathom_scene *scene = read_at(f, 0.5);
+    fathom_scene *scene = read_at(0.5);
     /* A quarter turn about z; a handful of roundings on numbers up to 1. */
     assert_vec(placed_corner(scene, 0, 0, 1), 0, 1, 0, 8 * 0x1p-53);
     assert_vec(placed_corner(scene, 0, 0, 2), -1, 0, 0, 8 * 0x1p-53);
@@ -170,7 +165,6 @@ UNIT_TEST(splines_of_rotations_are_normalized) {
 /* Instances of a node: its transform, mirrored here, after translation, rotation and scale of each; with its
  * motion. Rotations are normalized bytes. */
 UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
               places = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 5, 1, 2, 3),
@@ -178,7 +172,7 @@ UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
               sizes = PUT_FLOATS(&b, "VEC3", 2, 1, 1, 1, 2, 4, 1), times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1),
               slide = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 0, 16, 0);
     build_write(
-        f, &b,
+        &b,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[{'children':[1],'scale':"
         "[-1,1,1]},{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':%d,"
         "'ROTATION':%d,'SCALE':%d}}}}],'scenes':[{'nodes':[0]}],'animations':[{'samplers':[{'input':%d,"
@@ -187,7 +181,7 @@ UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
     fathom_read_options asked = default_read_options();
     fathom_scene *scene;
     asked.choose_time = true, asked.time = 0, asked.shutter = 0.5;
-    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_ok(context, read_asked(&asked, &scene));
     assert_int_equal(scene->instances.count, 2);
     for (int k = 0; k < 3; ++k) {
         const affine_f64 one = motion_place(&scene->instances.items[0], 0.25 * k),
@@ -202,7 +196,6 @@ UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
 /* Twelve vertices, of which each primitive uses three: what is left of every array belongs to the vertex that
  * it was written for, whose number is in all its values. */
 UNIT_TEST(shared_arrays_are_cut_alike) {
-    fixture *f = *state;
     build b = {.size = 0};
     float points[12][3], normals[12][3], tangents[12][4], uvs[12][2], uvs_1[12][2];
     uint8_t colors[12][4];
@@ -224,12 +217,12 @@ UNIT_TEST(shared_arrays_are_cut_alike) {
 #define SHARED                                                                                               \
     "{'attributes':{'POSITION':%d,'NORMAL':%d,'TANGENT':%d,'TEXCOORD_0':%d,'TEXCOORD_1':%d,'COLOR_0':%d},"   \
     "'indices':%d,'material':0}"
-    build_write(f, &b,
+    build_write(&b,
                 "'meshes':[{'primitives':[" SHARED "," SHARED
                 "]}],'materials':[{'alphaMode':'BLEND'}],'nodes':[{'mesh':0}]",
                 position, normal, tangent, uv, uv_1, color, first, position, normal, tangent, uv, uv_1, color,
                 second);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     static const uint32_t used[2][3] = {{11, 4, 7}, {2, 5, 3}};
     assert_int_equal(scene->meshes.count, 2);
     for (size_t m = 0; m < 2; ++m) {
@@ -251,7 +244,6 @@ UNIT_TEST(shared_arrays_are_cut_alike) {
 
 /* Strips, fans, loops and strips of lines by indices that skip vertices. */
 UNIT_TEST(odd_modes_take_indices) {
-    fixture *f = *state;
     static const struct {
         int mode;
         uint32_t triangles, corners[9]; /* by the specification, 3.7.2.1 */
@@ -261,11 +253,11 @@ UNIT_TEST(odd_modes_take_indices) {
         const int points = PUT_FLOATS(&b, "VEC3", 5, 0, 0, 0, 1, 0, 0, 2, 1, 0, 3, 3, 0, 4, 7, 1),
                   order = put_typed(&b, 5123, "SCALAR", 5, (const uint16_t[]){4, 1, 3, 0, 2}, 10, "");
         build_write(
-            f, &b,
+            &b,
             "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'indices':%d,'mode':%d}]}],'nodes':"
             "[{'mesh':0}]",
             points, order, cases[i].mode);
-        fathom_scene *scene = read_file(f);
+        fathom_scene *scene = read_file();
         assert_int_equal(scene->meshes.items[0].triangle_count, cases[i].triangles);
         for (uint32_t k = 0; k < 3 * cases[i].triangles; ++k)
             assert_near(corner(scene, 0, k / 3, (int)(k % 3)).x, cases[i].corners[k], 0);
@@ -275,7 +267,6 @@ UNIT_TEST(odd_modes_take_indices) {
 /* What only shading reads is 0 where it is no number, and the rest of it is what the file says; of morph
  * targets, too. */
 UNIT_TEST(numbers_that_are_none_are_zero) {
-    fixture *f = *state;
     const float nan = NAN;
     build b = {.size = 0};
     const int points = PUT_FLOATS(&b, "VEC3", 3, TRIANGLE),
@@ -285,11 +276,11 @@ UNIT_TEST(numbers_that_are_none_are_zero) {
               colors = PUT_FLOATS(&b, "VEC3", 3, 0.5f, 0.5f, 0.5f, 0.25f, nan, 1, 0.5f, 0.5f, 0.5f),
               bent = PUT_FLOATS(&b, "VEC3", 3, nan, 0, 0, 0, 2, 0, 0, 0, 0);
     build_write(
-        f, &b,
+        &b,
         "'meshes':[{'weights':[0.5],'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d,'TANGENT':%d,"
         "'TEXCOORD_0':%d,'COLOR_0':%d},'targets':[{'NORMAL':%d}]}]}],'nodes':[{'mesh':0}]",
         points, normals, tangents, uvs, colors, bent);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     const fathom_mesh *m = &scene->meshes.items[0];
     const float *t = row_of(m->tangents, m->tangent_stride, 1), *uv = row_of(m->uvs, m->uv_stride, 1),
                 *c = row_of(m->colors, m->color_stride, 1);
@@ -298,7 +289,7 @@ UNIT_TEST(numbers_that_are_none_are_zero) {
     assert_true(t[0] == 1 && t[1] == 0 && t[2] == 0 && t[3] == -1);
     assert_true(uv[0] == 3 && uv[1] == 0);
     assert_true(c[0] == 0.25f && c[1] == 0 && c[2] == 1);
-    assert_int_equal(f->warnings, 4); /* one for each name */
+    assert_int_equal(warning_count, 4); /* one for each name */
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -24,16 +24,16 @@ typedef struct odd_file {
           "{'POSITION':0},'material':0}]}],'materials':[{'emissiveTexture':{'index':0}}]")
 
 /* The one warning that reading gives. */
-static fathom_scene *read_odd(fixture *f, const odd_file *file) {
-    fathom_scene *scene = read_triangle(f, file->json);
-    if (f->warnings != 1 || !strstr(f->warning, file->told))
-        fail_msg("%u warnings, the last: \"%s\"; expected \"%s\"", f->warnings, f->warning, file->told);
+static fathom_scene *read_odd(const odd_file *file) {
+    fathom_scene *scene = read_triangle(file->json);
+    if (warning_count != 1 || !strstr(warned, file->told))
+        fail_msg("%u warnings, the last: \"%s\"; expected \"%s\"", warning_count, warned, file->told);
     return scene;
 }
 
-static void assert_all_read(fixture *f, const odd_file *files, size_t count) {
+static void assert_all_read(const odd_file *files, size_t count) {
     for (size_t i = 0; i < count; ++i) {
-        fathom_scene *scene = read_odd(f, &files[i]);
+        fathom_scene *scene = read_odd(&files[i]);
         assert_int_equal(scene->meshes.count, 1);
         assert_int_equal(scene->meshes.items[0].triangle_count, 1);
         assert_int_equal(scene->instances.count, 1);
@@ -99,12 +99,11 @@ UNIT_TEST(clear_slips_are_read_and_told) {
         {MATERIAL("'alphaMode':'blend'"), "\"blend\" is none of OPAQUE, MASK and BLEND"},
         {MATERIAL("'extensions':{'KHR_materials_ior':{'ior':0.5}}"), "ior: expected 0 or a number >= 1"},
     };
-    assert_all_read(*state, files, sizeof files / sizeof *files);
+    assert_all_read(files, sizeof files / sizeof *files);
 }
 
 /* The first eight by name, however many textures take them; the others are counted. */
 UNIT_TEST(missing_images_are_named) {
-    fixture *f = *state;
     char meshes[1024] = "", materials[1024] = "", textures[1024] = "", images[1024] = "", json[8192];
     for (int i = 0; i < 12; ++i) {
         const char *comma = i ? "," : "";
@@ -121,19 +120,18 @@ UNIT_TEST(missing_images_are_named) {
     snprintf(json, sizeof json,
              SHOWN("'meshes':[{'primitives':[%s]}],'materials':[%s],'textures':[%s],'images':[%s]"), meshes,
              materials, textures, images);
-    read_triangle(f, json);
-    assert_int_equal(f->warnings, 9);
+    read_triangle(json);
+    assert_int_equal(warning_count, 9);
     for (int i = 0; i < 8; ++i) {
         char told[128];
         snprintf(told, sizeof told,
                  ": images[%d].uri: \"%d.png\": there is no such file that may be read; it is left "
                  "out (%d such)\n",
                  i, i, i ? 1 : 3);
-        assert_non_null(strstr(f->told, told));
+        expect_warning(told);
     }
-    assert_non_null(strstr(f->told,
-                           ": images beyond the first 8: there is no such file that may be read; it is left "
-                           "out (2 such)"));
+    expect_warning(": images beyond the first 8: there is no such file that may be read; it is left "
+                   "out (2 such)");
 }
 
 /* Where its parent places it, once, in whatever order the scene names the two. */
@@ -145,7 +143,7 @@ UNIT_TEST(a_root_with_a_parent_stays_in_its_place) {
             json, sizeof json,
             TRIANGLE_NODES("{'mesh':0},{'children':[0],'translation':[5,0,0]}],'scenes':[{'nodes':[%s]}"),
             lists[i]);
-        fathom_scene *scene = read_odd(*state, &(odd_file){json, "a scene names a node that has a parent"});
+        fathom_scene *scene = read_odd(&(odd_file){json, "a scene names a node that has a parent"});
         assert_int_equal(scene->instances.count, 1);
         assert_near(scene->instances.items[0].transform[3], 5, 0);
     }
@@ -153,82 +151,74 @@ UNIT_TEST(a_root_with_a_parent_stays_in_its_place) {
 
 /* A factor above its range is the largest one there; emission has none, and is as it is given. */
 UNIT_TEST(factors_out_of_range_become_the_nearest) {
-    fixture *f = *state;
-    fathom_scene *scene = read_triangle(
-        f, MATERIAL(
-               "'pbrMetallicRoughness':{'roughnessFactor':-1,'metallicFactor':7},'emissiveFactor':[5,0,2]"));
+    fathom_scene *scene = read_triangle(MATERIAL(
+        "'pbrMetallicRoughness':{'roughnessFactor':-1,'metallicFactor':7},'emissiveFactor':[5,0,2]"));
     const fathom_material *m = &scene->materials.items[scene->meshes.items[0].material].value;
     assert_near((double)m->roughness, 0, 0);
     assert_near((double)m->metallic, 1, 0);
     assert_near((double)m->emissive[0], 5, 0);
-    assert_int_equal(f->warnings, 2);
+    assert_int_equal(warning_count, 2);
 }
 
 /* What shades may be missing where it is no number; what places may not. */
 UNIT_TEST(odd_normals_become_zeros) {
-    fixture *f = *state;
     triangle_data data = triangle;
     data.normals[1][2] = NAN;
-    write_glb(f, MESH("'attributes':{'POSITION':0,'NORMAL':4},'indices':1"), &data, sizeof data);
-    fathom_scene *scene = read_file(f);
+    write_glb(MESH("'attributes':{'POSITION':0,'NORMAL':4},'indices':1"), &data, sizeof data);
+    fathom_scene *scene = read_file();
     const fathom_mesh *m = &scene->meshes.items[0];
     const float *second = (const float *)(const void *)((const char *)m->normals + m->normal_stride);
     assert_near((double)second[2], 0, 0);
     assert_near((double)m->normals[2], 1, 0);
-    assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, "a NaN or an infinity in NORMAL"));
+    assert_int_equal(warning_count, 1);
+    expect_warning("a NaN or an infinity in NORMAL");
 }
 
 /* Colours in bytes are parts of 255, whether the file says so or not. */
 UNIT_TEST(colours_in_bytes_are_normalized) {
-    fixture *f = *state;
     triangle_data data = triangle;
     const uint8_t colors[12] = {255, 0, 51, 255, 255, 0, 51, 255, 255, 0, 51, 255};
     memcpy(data.uvs, colors, sizeof colors);
     write_glb(
-        f,
         "{" ASSET ",'buffers':[{'byteLength':120}]," VIEWS ",'accessors':[{'bufferView':0,"
         "'componentType':5126,'type':'VEC3','count':3},{'bufferView':5,'componentType':5121,"
         "'type':'VEC4','count':3}],'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1}}]}]}",
         &data, sizeof data);
-    fathom_scene *scene = read_file(f);
+    fathom_scene *scene = read_file();
     assert_near((double)scene->meshes.items[0].colors[2], 0.2, 1e-7);
-    assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, "have to be normalized"));
+    assert_int_equal(warning_count, 1);
+    expect_warning("have to be normalized");
 }
 
 /* More entries than vertices: the first ones count. Fewer: none do. No elements at all: no triangle. */
 UNIT_TEST(arrays_of_another_length_are_told) {
-    fixture *f = *state;
 #define WITH(accessor, attributes)                                                                           \
     "{" ASSET ",'buffers':[{'byteLength':120}]," VIEWS ",'accessors':[{'bufferView':0,'componentType':5126," \
     "'type':'VEC3','count':3}," accessor "],'meshes':[{'primitives':[{" attributes "},{'attributes':{"       \
     "'POSITION':0}}]}]}"
-    fathom_scene *scene =
-        read_triangle(f, WITH("{'bufferView':4,'componentType':5126,'type':'VEC3','count':2}",
-                              "'attributes':{'POSITION':0,'NORMAL':1}"));
-    assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, "NORMAL has another number of entries than POSITION; it is left out"));
+    fathom_scene *scene = read_triangle(WITH("{'bufferView':4,'componentType':5126,'type':'VEC3','count':2}",
+                                             "'attributes':{'POSITION':0,'NORMAL':1}"));
+    assert_int_equal(warning_count, 1);
+    expect_warning("NORMAL has another number of entries than POSITION; it is left out");
     assert_null(scene->meshes.items[0].normals);
     scene = read_triangle(
-        f, WITH("{'componentType':5126,'type':'VEC3','count':4}", "'attributes':{'POSITION':0,'NORMAL':1}"));
-    assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, "those beyond are left out"));
+        WITH("{'componentType':5126,'type':'VEC3','count':4}", "'attributes':{'POSITION':0,'NORMAL':1}"));
+    assert_int_equal(warning_count, 1);
+    expect_warning("those beyond are left out");
     assert_int_equal(scene->meshes.items[0].normal_count, 3);
-    scene = read_triangle(f, WITH("{'componentType':5123,'type':'SCALAR','count':0}",
-                                  "'attributes':{'POSITION':0},'indices':1"));
-    assert_int_equal(f->warnings, 2);
+    scene = read_triangle(
+        WITH("{'componentType':5123,'type':'SCALAR','count':0}", "'attributes':{'POSITION':0},'indices':1"));
+    assert_int_equal(warning_count, 2);
     assert_int_equal(scene->meshes.count, 1);
 }
 
 /* The matrix counts for what moves the node, and weights are followed there as in any node. */
 UNIT_TEST(animations_of_nodes_with_a_matrix_are_left_out) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
               times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), slide = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 8, 0, 0),
               weights = PUT_FLOATS(&b, "SCALAR", 2, 0, 1);
-    build_write(f, &b,
+    build_write(&b,
                 "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'targets':[{'POSITION':%d}]}]}],"
                 "'nodes':[{'mesh':0},{'name':'fixed','mesh':0,'matrix':[1,0,0,0,0,1,0,0,0,0,1,0,0,3,0,1]}],"
                 "'animations':[{'samplers':[{'input':%d,'output':%d},{'input':%d,'output':%d}],'channels':["
@@ -237,22 +227,21 @@ UNIT_TEST(animations_of_nodes_with_a_matrix_are_left_out) {
                 "{'sampler':0,'target':{'node':1,'path':'scale'}},"
                 "{'sampler':1,'target':{'node':1,'path':'weights'}}]}]",
                 positions, positions, times, slide, times, weights);
-    fathom_scene *scene = read_at(f, 0.5);
+    fathom_scene *scene = read_at(0.5);
     assert_vec(placed_corner(scene, 0, 0, 1), 5, 0, 0, 0);
     assert_vec(placed_corner(scene, 1, 1, 1), 1.5, 3, 0, 0);
-    assert_int_equal(f->warnings, 1);
-    assert_non_null(strstr(f->warning, ": nodes[1] (\"fixed\"): a node has a matrix and an animation"));
-    assert_non_null(strstr(f->warning, "(2 such)"));
+    assert_int_equal(warning_count, 1);
+    expect_warning(": nodes[1] (\"fixed\"): a node has a matrix and an animation");
+    expect_warning("(2 such)");
 }
 
 /* However many times the shutter poses the nodes, each oddity of a node counts once. */
 UNIT_TEST(oddities_count_once_while_the_shutter_is_open) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
               times = PUT_FLOATS(&b, "SCALAR", 3, 0, 1, 1),
               turns = PUT_FLOATS(&b, "VEC4", 3, 0, 0, 0, 1, 0, 0.6f, 0, 0.8f, 0, 0.6f, 0, 0.8f);
-    build_write(f, &b,
+    build_write(&b,
                 "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'targets':[{'POSITION':%d}]}]}],"
                 "'nodes':[{'mesh':0},{'mesh':0,'weights':[1e31],'rotation':[0,0,0,0]}],'animations':[{"
                 "'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{'node':0,'path':"
@@ -261,46 +250,44 @@ UNIT_TEST(oddities_count_once_while_the_shutter_is_open) {
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.shutter = 1;
-    memset(f->told, 0, sizeof f->told);
-    assert_ok(f->context, read_asked(f, &asked, &scene));
+    memset(warned, 0, sizeof warned);
+    assert_ok(context, read_asked(&asked, &scene));
     assert_true(scene->instances.items[0].key_count > 2);
-    assert_int_equal(f->warnings, 4);
-    for (const char *line = f->told; *line; line = strchr(line, '\n') + 1) {
+    assert_int_equal(warning_count, 4);
+    for (const char *line = warned; *line; line = strchr(line, '\n') + 1) {
         const char *end = strchr(line, '\n');
-        if (strncmp(end - 8, "(1 such)", 8) != 0) fail_msg("%s", f->told);
+        if (strncmp(end - 8, "(1 such)", 8) != 0) fail_msg("%s", warned);
     }
 }
 
 /* It and what is below it, also while an animation moves it. */
 UNIT_TEST(nodes_of_several_parents_are_shown_below_each) {
-    fixture *f = *state;
     build b = {.size = 0};
     const int positions = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 0, 1, 0, 0, 0, 1, 0),
               times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), slide = PUT_FLOATS(&b, "VEC3", 2, 0, 0, 0, 0, 0, 8);
     build_write(
-        f, &b,
+        &b,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'scenes':[{'nodes':[0]}],'nodes':["
         "{'children':[1,2]},{'translation':[1,0,0],'children':[3,4,3]},{'translation':[0,5,0],"
         "'children':[3]},{'children':[5]},{'mesh':0},{'mesh':0,'scale':[2,2,2]}],'animations':[{"
         "'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{'node':3,'path':"
         "'translation'}}]}]",
         positions, times, slide);
-    f->told[0] = '\0';
-    fathom_scene *scene = read_at(f, 0.25);
+    forget_warnings();
+    fathom_scene *scene = read_at(0.25);
     assert_int_equal(scene->instances.count, 3);
     assert_vec(placed_corner(scene, 0, 0, 1), 3, 0, 2, 0);
     assert_vec(placed_corner(scene, 1, 0, 1), 2, 0, 0, 0);
     assert_vec(placed_corner(scene, 2, 0, 1), 2, 5, 2, 0);
-    assert_int_equal(f->warnings, 2);
-    assert_non_null(strstr(f->told, "nodes[1].children: a node names a child twice; it is shown once (1 "));
-    assert_non_null(strstr(f->told, "nodes[2].children: a node with several parents, which is against the "
-                                    "format, is shown below each of them (1 such)"));
+    assert_int_equal(warning_count, 2);
+    expect_warning("nodes[1].children: a node names a child twice; it is shown once (1 ");
+    expect_warning("nodes[2].children: a node with several parents, which is against the "
+                   "format, is shown below each of them (1 such)");
 }
 
 /* Twenty pairs of nodes, each below both nodes of the pair before: a million copies, too many for so small a
  * file. */
 UNIT_TEST(copies_of_nodes_are_limited) {
-    fixture *f = *state;
     build b = {.size = 0};
     char nodes[2048] = "";
     fathom_scene *scene;
@@ -310,21 +297,19 @@ UNIT_TEST(copies_of_nodes_are_limited) {
         snprintf(nodes + strlen(nodes), sizeof nodes - strlen(nodes), "{'children':[%d,%d]},", i / 2 * 2 + 2,
                  i / 2 * 2 + 3);
     build_write(
-        f, &b, "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[%s{'mesh':0},{'mesh':0}]",
+        &b, "'meshes':[{'primitives':[{'attributes':{'POSITION':%d}}]}],'nodes':[%s{'mesh':0},{'mesh':0}]",
         positions, nodes);
-    assert_fails(f->context, read_asked(f, &asked, &scene), FATHOM_BAD_INPUT,
-                 "raises what the file needs to");
+    assert_fails(context, read_asked(&asked, &scene), FATHOM_BAD_INPUT, "raises what the file needs to");
 }
 
 /* A mark before the JSON and zeros behind it. */
 UNIT_TEST(marks_and_zeros_around_the_json_are_skipped) {
-    fixture *f = *state;
     static const char text[] = "\xEF\xBB\xBF{\"asset\":{\"version\":\"2.0\"}}\0\0";
-    write_bytes(f, "test.gltf", text, sizeof text);
-    read_file(f);
+    write_bytes("test.gltf", text, sizeof text);
+    read_file();
     unsigned char glb[256];
-    write_bytes(f, "test.glb", glb, make_glb("\xEF\xBB\xBF{" ASSET "}", NULL, 0, glb));
-    read_file(f);
+    write_bytes("test.glb", glb, make_glb("\xEF\xBB\xBF{" ASSET "}", NULL, 0, glb));
+    read_file();
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

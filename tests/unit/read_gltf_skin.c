@@ -21,10 +21,9 @@ static figure new_figure(void) {
     return f;
 }
 
-static void write_figure(fixture *to, const figure *f, const char *bones, const char *more,
-                         const char *skin) {
+static void write_figure(const figure *f, const char *bones, const char *more, const char *skin) {
     build_write(
-        to, &f->b,
+        &f->b,
         "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d,'TANGENT':%d,'JOINTS_0':%d,"
         "'WEIGHTS_0':%d%s},'material':0}]}],'materials':[{'pbrMetallicRoughness':{},'extensions':{"
         "'KHR_materials_anisotropy':{'anisotropyStrength':0.5}}}],'skins':[{%s}],'nodes':[{'mesh':0,'skin':0}"
@@ -41,10 +40,9 @@ static vec3_f64 row_of(const float *values, size_t stride, uint32_t i) {
 /* Joint 1 is twice as wide along x, which turns to y. Tangents go with the surface, and normals stay
  * perpendicular to it. */
 UNIT_TEST(tangents_lie_in_the_surface_and_normals_stand_on_it) {
-    fixture *f = *state;
     const figure made = new_figure();
-    write_figure(f, &made, "{},{'rotation':[0,0,0.70710678118,0.70710678118],'scale':[2,1,1]}", "", JOINTS);
-    fathom_scene *scene = read_file(f);
+    write_figure(&made, "{},{'rotation':[0,0,0.70710678118,0.70710678118],'scale':[2,1,1]}", "", JOINTS);
+    fathom_scene *scene = read_file();
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_non_null(mesh->tangents);
     /* (0.6, 0.8) is divided by (2, 1), (0.8, -0.6) multiplied, and x becomes y, y becomes -x. */
@@ -70,13 +68,12 @@ UNIT_TEST(joints_mirror_the_surface_and_nodes_the_winding) {
         const char *children;
         bool node, joints;
     } cases[] = {{"0,1,2", true, true}, {"1,2", false, true}, {"0", true, false}};
-    fixture *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const figure made = new_figure();
         char bones[128];
         snprintf(bones, sizeof bones, "{},{},{'scale':[1,1,-2],'children':[%s]}", cases[i].children);
-        write_figure(f, &made, bones, "", JOINTS);
-        fathom_scene *scene = read_file(f);
+        write_figure(&made, bones, "", JOINTS);
+        fathom_scene *scene = read_file();
         const fathom_mesh *mesh = &scene->meshes.items[0];
         affine_f64 map;
         affine_load(&map, scene->instances.items[0].transform);
@@ -91,14 +88,13 @@ UNIT_TEST(joints_mirror_the_surface_and_nodes_the_winding) {
 
 /* Animations scale a joint to nothing to hide a part. What is left keeps its normals. */
 UNIT_TEST(joints_that_flatten_hide_their_part) {
-    fixture *f = *state;
     static const char *const scales[] = {"[0,0,0]", "[1,0,0]", "[1,1,0]"};
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
         const figure made = new_figure();
         char bones[64];
         snprintf(bones, sizeof bones, "{},{'scale':%s}", scales[i]);
-        write_figure(f, &made, bones, "", JOINTS);
-        fathom_scene *scene = read_file(f);
+        write_figure(&made, bones, "", JOINTS);
+        fathom_scene *scene = read_file();
         const fathom_mesh *mesh = &scene->meshes.items[0];
         assert_vec(corner(scene, 0, 0, 1), i ? 1 : 0, 0, 0, 0);
         assert_vec(row_of(mesh->normals, mesh->normal_stride, 0), 0.6, 0.8, 0, 1e-7);
@@ -109,20 +105,19 @@ UNIT_TEST(joints_that_flatten_hide_their_part) {
 /* A scale of zero along one axis leaves a flat surface, which no transform of an instance can. Along two,
  * nothing is left. */
 UNIT_TEST(nodes_that_flatten_leave_a_surface) {
-    fixture *f = *state;
     for (int kept = 0; kept < 2; ++kept) {
         build b = {.size = 0};
         const int p = PUT_FLOATS(&b, "VEC3", 3, 0, 0, 3, 1, 0, 4, 0, 1, 5),
                   n = PUT_FLOATS(&b, "VEC3", 3, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f, 0, 0.6f, 0.8f);
         build_write(
-            f, &b,
+            &b,
             "'meshes':[{'primitives':[{'attributes':{'POSITION':%d,'NORMAL':%d}}]}],'nodes':[{'mesh':0},"
             "{'mesh':0,'translation':[0,0,7],'scale':[2,%d,0]},{'mesh':0,'translation':[1,0,7],'scale':["
             "2,%d,0]}]",
             p, n, kept, kept);
-        fathom_scene *scene = read_file(f);
+        fathom_scene *scene = read_file();
         assert_int_equal(scene->instances.count, kept ? 3 : 1);
-        assert_int_equal(f->warnings, kept ? 0 : 1);
+        assert_int_equal(warning_count, kept ? 0 : 1);
         assert_int_equal(scene->meshes.count, kept ? 3 : 1); /* each has its place in its vertices */
         if (kept) {
             assert_vec(placed_corner(scene, 1, 1, 1), 2, 0, 7, 0);
@@ -135,7 +130,6 @@ UNIT_TEST(nodes_that_flatten_leave_a_surface) {
 
 /* Exporters fill unused places with any number. */
 UNIT_TEST(joints_of_no_weight_may_be_any_number) {
-    fixture *f = *state;
     figure made = new_figure();
     char more[64];
     made.joints = PUT_BYTES(&made.b, "VEC4", 3, 9, 0, 9, 9, 1, 9, 9, 9, 0, 1, 9, 9);
@@ -143,16 +137,15 @@ UNIT_TEST(joints_of_no_weight_may_be_any_number) {
     const int joints = PUT_BYTES(&made.b, "VEC4", 3, 255, 9, 9, 9, 255, 9, 9, 9, 255, 0, 9, 9),
               weights = PUT_FLOATS(&made.b, "VEC4", 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0);
     snprintf(more, sizeof more, ",'JOINTS_1':%d,'WEIGHTS_1':%d", joints, weights);
-    write_figure(f, &made, "{},{'translation':[4,0,0]}", more, JOINTS);
-    fathom_scene *scene = read_file(f);
+    write_figure(&made, "{},{'translation':[4,0,0]}", more, JOINTS);
+    fathom_scene *scene = read_file();
     assert_vec(placed_corner(scene, 0, 0, 1), 5, 0, 0, 1e-6);
     /* Half of joint 1, and three halves of joint 0, of two. */
     assert_vec(placed_corner(scene, 0, 0, 2), 4 * 0.25, 1, 0.5, 1e-6);
-    assert_int_equal(f->warnings, 0);
+    assert_int_equal(warning_count, 0);
 }
 
 UNIT_TEST(vertices_blur_with_their_joints_alone) {
-    fixture *f = *state;
     figure made = new_figure();
     const int times = PUT_FLOATS(&made.b, "SCALAR", 2, 0, 2),
               places = PUT_FLOATS(&made.b, "VEC3", 2, 0, 0, 0, 4, 0, 0);
@@ -161,11 +154,11 @@ UNIT_TEST(vertices_blur_with_their_joints_alone) {
              "{},{}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{"
              "'node':2,'path':'translation'}}]}",
              times, places);
-    write_figure(f, &made, bones, "", JOINTS);
+    write_figure(&made, bones, "", JOINTS);
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = 0.5, asked.shutter = 1;
-    assert_ok(f->context, read_asked(f, &asked, &scene));
+    assert_ok(context, read_asked(&asked, &scene));
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_true(mesh->key_count > 1);
     for (uint32_t k = 0; k < mesh->key_count; ++k) {
@@ -180,19 +173,17 @@ UNIT_TEST(vertices_blur_with_their_joints_alone) {
 }
 
 UNIT_TEST(joints_beyond_eight_sets_are_told) {
-    fixture *f = *state;
     const figure made = new_figure();
     char more[512] = "";
     for (int n = 1; n < 9; ++n)
         snprintf(more + strlen(more), 64, ",'JOINTS_%d':%d,'WEIGHTS_%d':%d", n, made.joints, n, made.weights);
-    write_figure(f, &made, "{},{'translation':[4,0,0]}", more, JOINTS);
-    fathom_scene *scene = read_file(f);
+    write_figure(&made, "{},{'translation':[4,0,0]}", more, JOINTS);
+    fathom_scene *scene = read_file();
     assert_vec(placed_corner(scene, 0, 0, 1), 5, 0, 0, 1e-6);
-    assert_non_null(strstr(f->warning, "joints beyond the first 32 of a vertex are left out"));
+    expect_warning("joints beyond the first 32 of a vertex are left out");
 }
 
 UNIT_TEST(wrong_skins_are_refused) {
-    fixture *f = *state;
     const figure good = new_figure();
     figure all = good;
     const int one = PUT_FLOATS(&all.b, "MAT4", 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1),
@@ -223,9 +214,9 @@ UNIT_TEST(wrong_skins_are_refused) {
         fathom_read_options asked = default_read_options();
         figure made = all;
         made.joints = cases[i].joints, made.weights = cases[i].weights;
-        write_figure(f, &made, "{},{}", "", cases[i].skin);
-        assert_fails(f->context, read_asked(f, &asked, &scene), FATHOM_BAD_INPUT, cases[i].text);
+        write_figure(&made, "{},{}", "", cases[i].skin);
+        assert_fails(context, read_asked(&asked, &scene), FATHOM_BAD_INPUT, cases[i].text);
     }
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -7,7 +7,7 @@
 static fathom_material material_of(const char *body) {
     char text[512];
     mtl_library library = {0};
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     snprintf(text, sizeof text, "newmtl m\n%s", body);
     assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
     assert_int_equal(library.materials.count, 1);
@@ -77,13 +77,13 @@ UNIT_TEST(materials_as_exported_look_right) {
     assert_true(m.shininess == 250);
     assert_false(m.fresnel);
     expect_warning("m.mtl:3: a white Ka is left out");
-    assert_ptr_equal(strchr(mesh_warnings, '\n'), mesh_warnings + strlen(mesh_warnings) - 1);
+    assert_ptr_equal(strchr(warned, '\n'), warned + strlen(warned) - 1);
 }
 
 UNIT_TEST(mirrors_follow_illum) {
     const char *models[] = {"illum 3", "illum 5\nNi 1.5", "illum 8"};
     material_of("Ks 1 1 1\nillum 3\n"); /* a mirror without a highlight loses nothing */
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
     for (int i = 0; i < 3; ++i) {
         char body[64];
         snprintf(body, sizeof body, "Kd 0.5 0.5 0.5\nKs 0.2 0.4 0.6\nNs 99\n%s\n", models[i]);
@@ -136,7 +136,7 @@ UNIT_TEST(tr_1_is_opaque) {
     }
     /* Glass is clear by right. */
     expect_color("glass", "k_t", material_of("Ks 0 0 0\nillum 4\nTr 1\n").k_t, 1, 1, 1);
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
 }
 
 UNIT_TEST(glass_follows_its_formulas) {
@@ -224,7 +224,7 @@ UNIT_TEST(clear_metallic_materials_transmit) {
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
     assert_true(m.transmission == 1 && m.thickness > 0 && m.ior == 1.45f);
     expect_warning("m.mtl:7: Tf next to Pr");
-    assert_null(strstr(mesh_warnings, "highlight"));
+    assert_null(strstr(warned, "highlight"));
     m = material_of("Pr 0.5\nTf 0 0 0\n");
     assert_true(m.transmission == 0 && m.thickness == 0);
     assert_true(material_of("Pr 0.5\n").transmission == 0);
@@ -280,7 +280,7 @@ UNIT_TEST(images_become_maps) {
 /* The first material of a file whose first line is `head`. */
 static mtl_material first_of(const char *head, const char *body, mtl_library *library) {
     char text[512];
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     snprintf(text, sizeof text, "%s\nnewmtl m\n%s", head, body);
     assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), library));
     return library->materials.items[0];
@@ -400,7 +400,7 @@ UNIT_TEST(black_times_an_image_is_the_image) {
     expect_color("Kd", "k_d", m.k_d, 0, 0, 0);
     m = material_of("Kd 0 0 0\nmap_Kd a\nPm 0.5\n");
     expect_color("Kd", "base colour", m.base_color, 0, 0, 0);
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
     m = material_of("Ke 0 0 0\nmap_Ke a\n");
     expect_color("Ke", "k_e", m.k_e, 1, 1, 1);
     expect_warning("m.mtl:2: Ke 0 with map_Ke is read as 1");
@@ -464,7 +464,7 @@ UNIT_TEST(numbers_out_of_range_become_the_nearest) {
 UNIT_TEST(materials_without_a_name_have_the_empty_one) {
     const char *text = "Kd 0 0 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
     mtl_library library = {0};
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
     assert_int_equal(library.materials.count, 2);
     assert_string_equal(library.materials.items[0].name, "");
@@ -487,4 +487,4 @@ UNIT_TEST(names_may_hold_blanks) {
     mtl_free(&library);
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -39,7 +39,7 @@ UNIT_TEST(options_of_images_may_be_in_any_order) {
         assert_int_not_equal(map.texture, FATHOM_NONE);
         assert_int_equal(map.channel, 2);
         for (int k = 0; k < 6; ++k) assert_true(map.transform[k] == transform[k]);
-        assert_true(!strstr(mesh_warnings, "-mm and -t") == (i < 3));
+        assert_true(!strstr(warned, "-mm and -t") == (i < 3));
     }
     static const char *const channels[] = {"r", "g", "b", "m"};
     for (uint32_t c = 0; c < 4; ++c) {
@@ -73,7 +73,7 @@ UNIT_TEST(lost_images_leave_no_layer) {
     fathom_material m = material_of("Kd 0.5 0.5 0.5\nmap_Ke no.png\nmap_Ks no.png\nillum 3\nNs 9\n");
     for (int c = 0; c < 3; ++c) assert_true(m.k_e[c] == 0 && m.k_s[c] == 0 && m.k_r[c] == 0);
     assert_int_equal(material_of("map_Kd .\nmap_Ks ..\\\n").maps[FATHOM_MAP_COLOR].texture, FATHOM_NONE);
-    assert_non_null(strstr(mesh_warnings, "there is no image \".\" that may be read"));
+    expect_warning("there is no image \".\" that may be read");
     m = material_of(
         "map_Kd no.png\nmap_Pm no.png\nmap_Pr no.png\nmap_Pc no.png\nmap_Ps no.png\nmap_Ke no.png\n");
     assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
@@ -103,4 +103,4 @@ UNIT_TEST(a_nan_changes_nothing) {
     assert_true(material_of("Pr 0.5\nTr nan\n").opacity == 1);
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }

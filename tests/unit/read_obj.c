@@ -82,7 +82,7 @@ UNIT_TEST(byte_order_mark_and_line_ends_change_nothing) {
         mesh_write("a.mtl", text, write_text(mtl, line_ends[i / 2], i % 2, text));
         const char *path = mesh_write("a.obj", text, write_text(obj, line_ends[i / 2], i % 2, text));
         scenes[i] = mesh_read(read_obj, path, plain);
-        assert_string_equal(mesh_warnings, "");
+        assert_string_equal(warned, "");
         assert_int_equal(mesh_at(scenes[i], 0)->vertex_count, 4);
         mesh_expect_point(mesh_at(scenes[i], 0), 0, 9, 9, 9);
         mesh_expect_equal(mesh_at(scenes[i], 0), mesh_at(scenes[0], 0));
@@ -133,7 +133,7 @@ UNIT_TEST(polypaint_of_zbrush_is_read) {
         read_text(SQUARE "#MRGB ffff0000FF00bc00 \n# other\n#MRGB 000000ffxx\nf 1 2 3 4\n#MRGB\n");
     const float expected[12] = {1, 0, 0, 0, 0.50288653f, 0, 0, 0, 1, 1, 1, 1};
     for (int i = 0; i < 12; ++i) assert_near(mesh_at(scene, 0)->colors[i], expected[i], 1e-7);
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
     /* Numbers after the positions count before it; no vertex is painted that is not there. */
     scene = read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\n#MRGB ff00ff00\nf 1 2 3\n");
     assert_true(mesh_at(scene, 0)->colors[0] == 1);
@@ -210,7 +210,7 @@ UNIT_TEST(each_material_is_one_mesh) {
     assert_non_null(meshes[3].normals);
     assert_null(meshes[1].normals);
     for (int i = 1; i < 4; ++i) assert_ptr_equal(meshes[i].positions, meshes[0].positions);
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
 }
 
 /* Of six vertices the first mesh uses three, the second all: the first has copies, in the file's order, with
@@ -363,7 +363,7 @@ UNIT_TEST(a_given_material_replaces_the_files) {
         read_with("mtllib nowhere.mtl\n" SQUARE "usemtl x\nf 1 2 3\nusemtl y\nf 1 3 4\n", options);
     assert_int_equal(scene->meshes.count, 1);
     assert_int_equal(mesh_at(scene, 0)->flags, FATHOM_CASTS_NO_SHADOW);
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
 }
 
 /* A roof of two slopes that meet in the edge 2-3. */
@@ -468,7 +468,7 @@ UNIT_TEST(omissions_are_reported) {
         ":13: usemtl: no material \"x\" is defined"};
     for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) expect_warning(expected[i]);
     size_t lines = 0;
-    for (const char *c = mesh_warnings; (c = strchr(c, '\n')) != NULL; ++c) ++lines;
+    for (const char *c = warned; (c = strchr(c, '\n')) != NULL; ++c) ++lines;
     assert_int_equal(lines, 9);
 }
 
@@ -575,7 +575,7 @@ UNIT_TEST(missing_libraries_are_reported) {
     const char *text =
         ":1: mtllib: there is no file \"a\"; materials named from it get the default (5 such)\n";
     expect_warning(text);
-    assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
+    assert_ptr_equal(strchr(warned, '\n') + 1, warned + strlen(warned));
 }
 
 /* Each search lists a folder: the number of searches has a limit, and so has that of warnings. */
@@ -598,7 +598,7 @@ UNIT_TEST(very_many_missing_files_take_little_time) {
     for (int i = 0; i < 20; ++i) n += (size_t)sprintf(text + n, "usemtl m%d\nf 1 2 3\n", i);
     read_text(text);
     expect_warning("material \"m7\": there is no image \"none7.png\" that may be read; it is left out");
-    assert_null(strstr(mesh_warnings, "none8.png"));
+    assert_null(strstr(warned, "none8.png"));
     expect_warning("images beyond the first 8 that may not be read or do not exist are left out (12 such)");
 }
 
@@ -614,7 +614,7 @@ UNIT_TEST(libraries_elsewhere_are_found) {
         fathom_scene *scene = read_text(text);
         assert_true(scene->materials.items[mesh_at(scene, 0)->material].value.k_d[1] == 0);
         if (i < 3)
-            assert_string_equal(mesh_warnings, "");
+            assert_string_equal(warned, "");
         else
             expect_warning(
                 "no mtllib statement names a file that can be read; a.mtl is read instead (1 such)");
@@ -629,7 +629,7 @@ UNIT_TEST(each_of_several_libraries_is_found) {
     mesh_write("b.mtl", blue, strlen(blue));
     fathom_scene *scene =
         read_text("mtllib far/r.mtl far/b.mtl\n" SQUARE "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n");
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
     for (size_t i = 0; i < 2; ++i)
         assert_true(scene->materials.items[mesh_at(scene, i)->material].value.k_d[2] == (float)i);
 }
@@ -706,4 +706,4 @@ UNIT_TEST(meshes_do_not_depend_on_thread_count) {
     fathom_context_set_threads(context, 0);
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -94,4 +94,4 @@ UNIT_TEST(pieces_count_on_from_those_before) {
     free(text);
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -262,7 +262,7 @@ UNIT_TEST(byte_order_mark_and_line_ends_change_nothing) {
         }
         fathom_scene *scene = ply_read(&m);
         ply_expect_square(scene);
-        assert_string_equal(mesh_warnings, "");
+        assert_string_equal(warned, "");
     }
 }
 
@@ -390,7 +390,7 @@ UNIT_TEST(splats_are_points) {
         assert_near(second[3], 1 / (1 + exp(9)), 1e-10);
         expect_warning("Gaussian splats are shown as points of their mean colours and opacities, without "
                        "their sizes and directions (2 such)");
-        assert_ptr_equal(strchr(mesh_warnings, '\n') + 1, mesh_warnings + strlen(mesh_warnings));
+        assert_ptr_equal(strchr(warned, '\n') + 1, warned + strlen(warned));
     }
 }
 
@@ -431,7 +431,7 @@ UNIT_TEST(corners_have_uvs_of_their_own) {
         }
         assert_true(scene->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR].texture == 0);
         expect_warning("element vertex: the property s is not used (5 such)");
-        assert_null(strstr(mesh_warnings, "texcoord"));
+        assert_null(strstr(warned, "texcoord"));
     }
 }
 
@@ -530,7 +530,7 @@ UNIT_TEST(colours_of_faces_are_shown) {
             if (alpha) assert_true(c[3] == (i < 3 ? 0.2f : 1));
             assert_true(n[2] == (float)v + 1 && uv_at(mesh, i, 0) == (float)v && s1[1] == 4 * (float)v);
         }
-        assert_null(strstr(mesh_warnings, "colours"));
+        assert_null(strstr(warned, "colours"));
     }
 }
 
@@ -561,7 +561,7 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
     fathom_material material;
     fathom_material_default(&material);
     texture.file = mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     scene = new_scene(context);
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &material.maps[FATHOM_MAP_COLOR].texture));
     assert_ok(context, fathom_scene_add_material(scene, "m", &material, &options.material));
@@ -585,7 +585,7 @@ UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
             "end_header\n0 0 0%s 255 0 0\n1 0 0%s 255 0 0\n0 1 0%s 255 0 0\n3 0 1 2\n",
             i == 1 ? "Fathom 0.1.0" : "by hand", *uv ? "property float s\nproperty float t\n" : "", uv, uv,
             uv);
-        mesh_warnings[0] = '\0';
+        forget_warnings();
         fathom_scene *scene = mesh_read(read_ply, mesh_write("a.ply", file, (size_t)size), plain);
         assert_int_equal(mesh_at(scene, 0)->colors != NULL, i > 0);
         if (!i) expect_warning("colours of vertices are left out where an image has them (1 such)");
@@ -702,7 +702,7 @@ UNIT_TEST(float_colours_of_bytes_are_decoded) {
         if (bytes)
             expect_warning("vertex colours are floats, but whole numbers up to 255; they are read as "
                            "sRGB bytes (2 such)");
-        if (!bytes) assert_null(strstr(mesh_warnings, "bytes"));
+        if (!bytes) assert_null(strstr(warned, "bytes"));
     }
 }
 
@@ -729,7 +729,7 @@ UNIT_TEST(float_face_colours_of_bytes_are_decoded) {
         if (bytes)
             expect_warning(
                 "face colours are floats, but whole numbers up to 255; they are read as sRGB bytes (2 such)");
-        if (!bytes) assert_null(strstr(mesh_warnings, "bytes"));
+        if (!bytes) assert_null(strstr(warned, "bytes"));
     }
 }
 
@@ -839,4 +839,4 @@ UNIT_TEST(meshes_do_not_depend_on_thread_count) {
     expect_one_mesh(false);
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -223,4 +223,4 @@ UNIT_TEST(damage_anywhere_does_no_harm) {
     }
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }

@@ -87,13 +87,13 @@ UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
         assert_null(scene);
     }
     options.camera = NULL, options.up = FATHOM_UP_Z;
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     assert_ok(context, fathom_scene_read_with(context, file, &options, &scene));
     expect_warning("a.json: has its own camera");
     fathom_scene_destroy(scene);
-    mesh_warnings[0] = '\0';
+    forget_warnings();
     assert_ok(context, fathom_scene_read_with(context, model, &options, &scene));
-    assert_string_equal(mesh_warnings, "");
+    assert_string_equal(warned, "");
     assert_near(scene->camera.y[1] > scene->camera.y[2], 0, 0);
     fathom_scene_destroy(scene);
     options.up = (fathom_up)2;
@@ -154,13 +154,13 @@ UNIT_TEST(scene_files_shape_their_image) {
                  "\"objects\":[{\"type\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]}",
                  cases[i].image);
         fathom_scene *scene;
-        mesh_warnings[0] = '\0';
+        forget_warnings();
         scene = scene_of_file(context, mesh_write("a.json", json, strlen(json)));
         assert_int_equal(scene->settings.width, cases[i].width);
         assert_int_equal(scene->settings.height, cases[i].height);
         assert_near(scene->camera.w, 2, 0);
-        if (cases[i].warning ? !strstr(mesh_warnings, cases[i].warning) : mesh_warnings[0] != '\0')
-            fail_msg("%s: \"%s\"", cases[i].image, mesh_warnings);
+        if (cases[i].warning ? !strstr(warned, cases[i].warning) : warned[0] != '\0')
+            fail_msg("%s: \"%s\"", cases[i].image, warned);
     }
 }
 
@@ -175,4 +175,4 @@ UNIT_TEST(meshes) {
                  "the extension .json is not known; expected .obj, .ply, .gltf or .glb");
 }
 
-int main(void) { return unit_main(mesh_setup, remove_folder); }
+int main(void) { return unit_main(open_folder, remove_folder); }
