@@ -1,4 +1,5 @@
 # Animations, variants and units of models, as options say; frames.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 # Equal PNG files need no other judge, and no image helper writes them.
 export SOURCE_DATE_EPOCH=1700000000
@@ -22,7 +23,6 @@ small='--size 48x48 --integrator classic --spp 1'
 
 # At rest, and at each time another image; before the first key and after the last one it rests.
 render() { # options, image
-    # shellcheck disable=SC2086 # options are words
     run 0 render moving.gltf $small $1 -o "$2"
 }
 render '' rest.png
@@ -50,23 +50,19 @@ refused 2 'has no animations to pose' render scene.json -o a.png --animation wal
 refused 2 'has no scenes to choose "walk" from' render scene.json -o a.png --scene walk
 
 # Frames are the images of their times.
-# shellcheck disable=SC2086
 run 0 render moving.gltf $small -o 'f.####.png' --frames 0-2 --fps 2 --stats 'f##.json'
 same rest.png f.0000.png
 same half.png f.0001.png
 same end.png f.0002.png
 [ "$(number f02.json width)" = 48 ] || die 'a file of statistics for each frame'
-# shellcheck disable=SC2086
 run 0 render moving.gltf $small -o 'g#.png' --frames 12 --time 0.5 --fps 24
 # The last # counts: folders may have their own.
 mkdir 'job#7'
-# shellcheck disable=SC2086
 run 0 render moving.gltf $small -o 'job#7/g##.png' --frames 12 --time 0.5 --fps 24
 same g12.png 'job#7/g12.png'
 same end.png g12.png
 # What all frames would say is said once, and stands in the statistics of each.
 sed 's|"nodes": \[ {|"nodes": [ { "extensions": { "X_none": {} },|' moving.gltf >odd.gltf
-# shellcheck disable=SC2086
 run 0 render odd.gltf $small -o 'w#.png' --frames 0-2 --fps 2 --stats 'w#.json'
 [ "$(grep -c 'the extension X_none is ignored' err.txt)" = 1 ] || die 'a warning that each frame repeats'
 said w2.json 'the extension X_none is ignored'
@@ -80,9 +76,7 @@ cat >lamp.json <<JSON
                  "motion": [ { "time": 0 }, { "time": 1, "translation": [9, 0, 0] } ] } ] }
 JSON
 lamp="lamp.json --size 16x16 --spp 4 --fps 1 --exposure auto"
-# shellcheck disable=SC2086
 run 0 render $lamp -o 'h#.png' --stats 'h#.stats' --frames 0-1
-# shellcheck disable=SC2086
 run 0 render $lamp -o 'i#.png' --stats 'i#.stats' --frames 1-1
 [ "$(number h0.stats exposure)" = "$(number h1.stats exposure)" ] || die 'frames of two exposures'
 [ "$(number h0.stats exposure)" = "$(number i1.stats exposure)" ] || die 'the frame of another command has its own exposure'
@@ -93,10 +87,8 @@ run 0 render lamp.json --size 16x16 --spp 4 --exposure auto -o dim.png --stats d
 # Parts of frames keep the exposure of frame 0: the merged images are those of one command.
 sed '1s/{ /{ "lights": [], /' lamp.json >parts.json
 parts="parts.json --size 16x16 --spp 8 --fps 1 --frames 0-1"
-# shellcheck disable=SC2086
 run 0 render $parts -o 't#.png'
 for part in 1 2; do
-    # shellcheck disable=SC2086
     run 0 render $parts -o "t#.$part.part" --part $part/2
     said out.txt 'exposure -3.3, by frame 0'
 done
@@ -115,18 +107,14 @@ cat >alpha.json <<JSON
                  "motion": [ { "time": 0 }, { "time": 1, "translation": [0.1, 0, 0] } ] } ] }
 JSON
 alpha="alpha.json --size 32x32 --spp 16 --exposure auto --aov alpha"
-# shellcheck disable=SC2086
 run 0 render $alpha -o one.png --stats one.stats --time 0
-# shellcheck disable=SC2086
 run 0 render $alpha -o 's#.png' --stats 's#.stats' --frames 0
 [ "$(number s0.stats exposure)" = "$(number one.stats exposure)" ] || die "a sequence's alpha has another exposure"
 # A black frame 0 tells none, so the first lit frame of each command does: here when the lamp has come in.
 sed 's/"ke": \[0.5, 0.5, 0.5\]/"ke": [0, 0, 0]/; s/{ "time": 0 }, { "time": 1, "translation": \[9, 0, 0\] }/{ "time": 0, "translation": [9, 0, 0] }, { "time": 1 }/
      1s/{ /{ "lights": [], /' lamp.json >late.json
 late="late.json --size 16x16 --spp 4 --fps 1 --exposure auto"
-# shellcheck disable=SC2086
 run 0 render $late -o 'q#.png' --stats 'q#.stats' --frames 0-1
-# shellcheck disable=SC2086
 run 0 render $late -o 'r#.png' --stats 'r#.stats' --frames 1
 [ "$(number q0.stats exposure)" = 0.0 ] || die 'an exposure by a black frame'
 [ "$(number q1.stats exposure)" = "$(number h0.stats exposure)" ] || die 'a black frame keeps its exposure'
@@ -135,13 +123,9 @@ run 0 render $late -o 'r#.png' --stats 'r#.stats' --frames 1
 # frames: these are equal. It stands farther away than in an image of its own, because all of its way is in view.
 sed 's/"camera": 0, "translation"/"translation"/' moving.gltf >framed.gltf
 framed='framed.gltf --size 32x32 --spp 4 --exposure 0'
-# shellcheck disable=SC2086
 run 0 render $framed -o 'j#.png' --frames 0-4 --fps 2
-# shellcheck disable=SC2086
 run 0 render $framed -o 'k#.png' --frames 2-4 --fps 2
-# shellcheck disable=SC2086
 run 0 render $framed -o l.png --time 1
-# shellcheck disable=SC2086
 run 0 render $framed -o p.png --time 0
 same j2.png j3.png
 same j2.png j4.png
@@ -151,11 +135,9 @@ differ j0.png p.png
 # Frames in which a scale of zero hides all are empty, and end nothing. Without a camera, the other frames place it.
 growing='AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAgD8='
 sed "s|base64,[^\"]*|base64,$growing|; s/\"path\": \"translation\"/\"path\": \"scale\"/" moving.gltf >growing.gltf
-# shellcheck disable=SC2086
 run 0 render growing.gltf $small -o 'm#.png' --frames 0-2 --fps 2
 said err.txt 'is scaled to nothing, and left out'
 sed 's|{ "mesh": 0 }|{ "mesh": 0, "scale": [1e-12, 1e-12, 1e-12] }|' moving.gltf >tiny.gltf
-# shellcheck disable=SC2086
 run 0 render tiny.gltf $small -o t.png --time 0
 said err.txt 'is scaled to nothing, and left out'
 differ m0.png m1.png
@@ -168,10 +150,8 @@ same n0.png o0.png
 run 3 render alone.gltf --size 32x32 -o no.png --time 0
 said err.txt 'alone.gltf: everything is hidden or scaled to nothing'
 # Such a frame as scene JSON; models hold shapes.
-# shellcheck disable=SC2086
 run 0 render growing.gltf $small -o empty.png --time 0
 run 0 convert growing.gltf empty.json --time 0
-# shellcheck disable=SC2086
 run 0 render empty.json $small -o again.png
 same empty.png again.png
 run 2 convert growing.gltf no.glb --time 0
@@ -199,7 +179,6 @@ cat >moving.json <<JSON
     "motion": [ { "time": 0 }, { "time": 1, "translation": [0.5, 0, 0] } ] } ] }
 JSON
 blurred='--size 48x48 --spp 16 --time 0.25 --shutter 0.5'
-# shellcheck disable=SC2086
 {
     run 0 render moving.gltf $blurred -o blurred.exr
     run 0 render moving.json $blurred -o json.exr

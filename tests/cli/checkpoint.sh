@@ -1,4 +1,5 @@
 # --checkpoint, --checkpoint-every, --resume, SIGUSR1: work that survives, and what is refused.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 . "$SOURCE/tests/kill/kill.inc"
 write_scene
@@ -7,7 +8,6 @@ spp=100
 while :; do
     long="scene.json --size 240x180 --spp $spp --aov all --exr-float"
     begun=$(now)
-    # shellcheck disable=SC2086
     run 0 render $long -o whole.exr --threads 1
     awk "BEGIN { exit !($(now) - $begun < 1) }" || break
     spp=$((spp * 4))
@@ -26,7 +26,6 @@ refused 4 'cannot be written: is not a regular file' render scene.json -o a.exr 
 phase=render
 
 # SIGUSR1 saves and goes on; SIGTERM saves, writes the image as far as it got, and stops.
-# shellcheck disable=SC2086
 {
     start render $long -o a.exr --checkpoint c --threads 1
     kill -STOP $child
@@ -95,7 +94,6 @@ run 0 render scene.json -o b.exr
 same a.exr b.exr
 
 # Without --checkpoint SIGUSR1 is harmless.
-# shellcheck disable=SC2086
 start render $long -o b.exr --threads 1
 kill -USR1 $child
 until grep -q 'SIGUSR1: nothing is saved without --checkpoint FILE' err.txt; do

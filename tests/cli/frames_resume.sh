@@ -1,5 +1,6 @@
 # --frames with --checkpoint and --resume: frames that an earlier run finished are kept, if they still are what this
 # run would write.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 export SOURCE_DATE_EPOCH=1700000000
 
@@ -12,7 +13,6 @@ cat >lamp.json <<JSON
 JSON
 frames='lamp.json --size 16x16 --spp 4 --frames 0-3 --fps 1 --exposure auto --checkpoint c#'
 outputs='-o f#.png -o f#.exr --stats f#.json'
-# shellcheck disable=SC2086
 run 0 render $frames -o 'whole#.png' -o 'whole#.exr'
 [ -z "$(ls c? 2>/dev/null)" ] || die 'records are left after the last frame'
 
@@ -20,7 +20,6 @@ run 0 render $frames -o 'whole#.png' -o 'whole#.exr'
 stop_early() {
     rm -rf f?.* c?
     mkdir f2.png
-    # shellcheck disable=SC2086
     run 4 render $frames $outputs "$@"
     rmdir f2.png
     [ -s c0 ] && [ -s c1 ] && [ ! -e c2 ] || die 'no records of the finished frames'
@@ -29,7 +28,6 @@ stop_early() {
 resume() { # exit code, options
     code=$1
     shift
-    # shellcheck disable=SC2086
     run "$code" render $frames $outputs --resume "$@"
 }
 kept() { said out.txt "$1.png: is kept, as an earlier run finished it"; }

@@ -1,4 +1,5 @@
 # Signals that stop: keep what is finished as a valid image, exit code 5.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 # Small enough to be built long before the signal, however busy the machine; sampled long enough to never end.
 run 0 generate sphere -t 20k -o heavy.glb
@@ -20,7 +21,6 @@ interrupt() {
 for signal in INT TERM HUP XCPU; do
     rm -f i.partial.exr i.json
     cp finished.exr i.exr
-    # shellcheck disable=SC2086
     case $signal in
     INT) interrupt 6 render $long --stats i.json ;;
     *)
@@ -49,7 +49,6 @@ ls -A | grep tmp && die 'a temporary file was left behind'
 
 # timeout without --foreground sends the signal to the process and to its group: twice at once is once.
 code=0
-# shellcheck disable=SC2086
 timeout --preserve-status -s INT 1 "$FATHOM" render $long >out.txt 2>err.txt || code=$?
 [ $code -eq 5 ] || die "two signals at once: exit code $code, expected 5"
 

@@ -1,4 +1,5 @@
 # --log json: whatever is said on stderr is one JSON object a line, from every command.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 write_scene
 
@@ -27,7 +28,6 @@ fails 2 'SCENE is missing' render --log=json
 fails 3 'no\"quote\\.json: No such file' render 'no"quote\.json' -o a.png --log json
 fails 3 'no??ä.json: No such file' info "$(printf 'no\033\377ä.json')" --log json
 for command in compare generate validate 'bench trace' 'bench render'; do
-    # shellcheck disable=SC2086
     fails 2 'unknown option --zebra' $command --log json --zebra
 done
 refused 2 '--log: expected text or json, found "xml"' render scene.json -o a.png --log xml
@@ -49,11 +49,9 @@ for bench in 'trace scene.json --rays 64 --tracer bvh' 'render scene.json --spp 
     'error scene.json --max-spp 1'; do
     repeats='--repeats 1'
     case $bench in error*) repeats='--seeds 1' ;; esac
-    # shellcheck disable=SC2086
     run_log bench $bench $repeats --log json
     lines_are_objects
     said err.txt '"phase": "measure", "fraction": 1.0000'
-    # shellcheck disable=SC2086
     run_log bench $bench $repeats --log json --quiet
     silent err.txt
 done

@@ -1,4 +1,5 @@
 # fathom render --mpi: several ranks make the image of one process, and a rank that dies loses nothing that is finished.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 write_scene
 if [ ! -e "$BUILD/lib/fathom/fathom_mpi.so" ] || ! command -v mpirun >/dev/null; then
@@ -21,9 +22,7 @@ ranks() {
 
 refused 2 "--mpi: one process renders a part" render scene.json -o a.part --part 1/2 --mpi
 for arguments in '--spp 16 --aov all --crop 5,3,90,61' '--integrator path --spp 8' '--target-error 0.02 --spp 64 --aov samples'; do
-    # shellcheck disable=SC2086
     run 0 render scene.json $arguments -o one.exr --exr-float
-    # shellcheck disable=SC2086
     ranks 0 3 render scene.json $arguments -o all.exr --exr-float
     [ "$(grep -c 'all.exr: ' out.txt)" -eq 1 ] || die 'not one rank alone tells of the image'
     same one.exr all.exr
@@ -40,7 +39,6 @@ said err.txt 'rank 1 renders with --spp 4096, and rank 0 with 1024'
 
 # A rank is killed: the job ends, and goes on with another number of ranks.
 long="scene.json --size 240x180 --spp 400 --exr-float"
-# shellcheck disable=SC2086
 {
     run 0 render $long -o one.exr
     # After a kill the mpirun of Debian 12 sometimes waits for ever for its own lock, with all ranks gone.

@@ -1,4 +1,5 @@
 # fathom render --part and fathom merge: many machines make the image of one, whatever happens to them on the way.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN SLURM_ARRAY_TASK_STEP
 write_scene
@@ -42,7 +43,6 @@ refused 2 '-o a.part: task 9 is none of an array of 3 tasks from 1 on in steps o
 unset SLURM_ARRAY_TASK_ID SLURM_ARRAY_TASK_COUNT SLURM_ARRAY_TASK_MIN
 
 # The image of all parts is the image of one machine, in every file; a part that is done is not rendered again.
-# shellcheck disable=SC2086
 {
     run 0 render $scene -o whole.exr -o whole.png --exr-float
     for part in 1 2 3; do
@@ -93,12 +93,10 @@ FATHOM_ISA=sse2 "$FATHOM" render $scene -o p2.part --part 2/3 -q >out.txt 2>err.
 [ -n "$SANITIZE" ] || {
     rm p2.part
     code=0
-    # shellcheck disable=SC2086
     FAULT_CALL=write FAULT_FILE=p2.part FAULT_ERROR=28 FAULT_AFTER=$(($(wc -c <kept) / 2)) LD_PRELOAD=$BUILD/tests/faults/disk.so \
         "$FATHOM" render $scene -o p2.part --part 2/3 --threads 1 >out.txt 2>err.txt || code=$?
     [ $code -eq 4 ] || die "a full disk: exit code $code, expected 4"
     said err.txt 'p2.part: cannot be written: No space left on device; what was finished before is kept'
-    # shellcheck disable=SC2086
     run 0 render $scene -o p2.part --part 2/3
     run 0 merge p*.part -o merged.exr --exr-float
     same whole.exr merged.exr
@@ -108,7 +106,6 @@ FATHOM_ISA=sse2 "$FATHOM" render $scene -o p2.part --part 2/3 -q >out.txt 2>err.
 rm p*.part
 phase=render
 long="scene.json --size 320x240 --spp 4096"
-# shellcheck disable=SC2086
 {
     start render $long -o p1.part --part 1/2 --split tiles --threads 1
     # Nobody else writes to it meanwhile.

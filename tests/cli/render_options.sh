@@ -1,4 +1,5 @@
 # Each option of render does what its help says, and nothing else.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 write_scene
 # Equal images are equal files.
@@ -16,7 +17,6 @@ same base.exr a.exr
 # These options must not change a pixel.
 for option in '--threads 1 --seed 5 --size 96x64' '--threads 3 --tile-size 64' '--tile-size 96 --block-width 1' \
     '--block-width 4 --crop 0,0,96,64 --exposure 3' '--block-width 8 --epsilon auto --max-depth 8'; do
-    # shellcheck disable=SC2086
     run 0 render scene.json -o a.exr --exr-float $option
     same base.exr a.exr
 done
@@ -25,7 +25,6 @@ done
 run 0 render scene.json -o base.png
 for option in '--spp 4' '--pattern stratified' '--pattern sobol' '--max-depth 0' '--max-depth 1' '--epsilon 0.4' \
     '--background 1,0,0'; do
-    # shellcheck disable=SC2086
     run 0 render scene.json -o a.png $option
     differ base.png a.png
 done
@@ -179,7 +178,6 @@ cat >screen.json <<'JSON'
 JSON
 screen='--size 32x18 --spp 16'
 sed 's/"materials"/"lights": [], &/' screen.json >unlit.json
-# shellcheck disable=SC2086
 {
     run 0 render screen.json $screen -o a.exr
     said out.txt ', in the studio, '
@@ -237,7 +235,6 @@ printf '{ "image": { "width": 8, "height": 8, "spp": 4 }, "camera": { "eye": [0,
 run 0 render bright.json -o bright.exr
 said err.txt 'bright.json: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float keeps them'
 for option in '-o bright.exr --exr-float' '-o bright.png --exposure 0' '-o bright.exr --background 65504,0,0'; do
-    # shellcheck disable=SC2086
     run 0 render bright.json $option
     not_said err.txt 'half float'
 done
@@ -255,7 +252,6 @@ for option in view display; do
 done
 refused 2 '--exposure auto: is for the image' render scene.json -o c.part --part 1/2 --exposure auto
 for option in '--exr-float' '--view x'; do
-    # shellcheck disable=SC2086
     refused 2 "${option% *}: is for the image, which fathom merge writes" render scene.json -o c.part --part 1/2 $option
 done
 refused 2 '--exr-float: only with -o FILE.exr' merge 0.part -o c.png --exr-float
@@ -313,7 +309,6 @@ python3 -c 'import struct, sys
 sys.stdout.buffer.write(struct.pack("<24f", *([0.1] * 12 + [0.5, 0.6, 0.9] * 2 + [4, 3, 2] + [0.5, 0.6, 0.9])))' >>sky.pfm
 run 0 generate sphere --triangles 2k -o ball.glb
 for option in '' '--up z' '--environment-rotation 90'; do
-    # shellcheck disable=SC2086
     run 0 render ball.glb -o ball.png --size 64x48 --spp 4 --environment sky.pfm $option
     [ ! -e before.png ] || differ before.png ball.png
     cp ball.png before.png

@@ -1,4 +1,5 @@
 # Images on surfaces, their normals and grooves look the same in a scene of any size.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 printf 'P6\n2 2\n255\n\377\200\100\100\200\377\200\200\377\300\100\340' >t.ppm
 sized() { # factor, file
@@ -17,11 +18,9 @@ sized() { # factor, file
 }
 options='--spp 4 --aov albedo,N'
 sized 1 one.json
-# shellcheck disable=SC2086
 run 0 render one.json $options -o one.exr
 for power in 31 51 -31 -50; do
     sized "$(awk "BEGIN { printf \"%.17g\", 2 ^ $power }")" other.json
-    # shellcheck disable=SC2086
     run 0 render other.json $options -o other.exr
     run 0 compare one.exr other.exr --tolerance 1e-3
     rm other.exr

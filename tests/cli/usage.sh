@@ -1,4 +1,5 @@
 # Help, versions, and everything that is wrong on the command line.
+# shellcheck disable=SC2086 # options are words
 . "$SOURCE/tests/cli/check.inc"
 
 run 2
@@ -26,7 +27,6 @@ refused 2 '-V: expected nothing after it, found "foo"' -V -v foo
 run 0 -h render
 said out.txt 'Usage: fathom render'
 for arguments in --help -h help 'help help'; do
-    # shellcheck disable=SC2086
     run 0 $arguments
     said out.txt 'Usage: fathom'
     silent err.txt
@@ -42,7 +42,6 @@ for command in render merge info generate convert texture compare validate bench
     said out.txt '-h, --help '
     for arguments in '-h' 'nothing -h' '--zebra --spp -h' '-h --zebra'; do
         [ $command != help ] || continue
-        # shellcheck disable=SC2086
         run 0 $command $arguments
         cmp -s out.txt help.txt || die "fathom $command $arguments is not fathom help $command"
     done
