@@ -10,6 +10,7 @@ typedef struct ply_maker {
     ply_flavour flavour;
     unsigned char bytes[8192];
     size_t size;
+    int begun; /* files, by ply_each() */
 } ply_maker;
 
 static inline void ply_bytes(ply_maker *m, const void *bytes, size_t size) {
@@ -24,7 +25,7 @@ static inline void ply_text(ply_maker *m, const char *text) { ply_bytes(m, text,
  * `shift` bytes. */
 static inline void ply_header(ply_maker *m, ply_flavour flavour, const char *lines, size_t shift) {
     static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
-    *m = (ply_maker){.flavour = flavour};
+    m->flavour = flavour, m->size = 0;
     ply_text(m, "ply\nformat ");
     ply_text(m, names[flavour]);
     ply_text(m, " 1.0\n");
@@ -33,6 +34,12 @@ static inline void ply_header(ply_maker *m, ply_flavour flavour, const char *lin
     ply_text(m, "comment ");
     while ((m->size + strlen(end)) % 4 != shift % 4) ply_text(m, "x");
     ply_text(m, end);
+}
+
+/* for (ply_maker m = {0}; ply_each(&m, lines);): a file of each format, with these lines in its header. */
+static inline bool ply_each(ply_maker *m, const char *lines) {
+    if (m->begun < FLAVOURS) ply_header(m, (ply_flavour)m->begun, lines, 0);
+    return m->begun++ < FLAVOURS;
 }
 
 static inline void ply_number(ply_maker *m, char type, double value) {
@@ -91,7 +98,10 @@ static inline fathom_scene *ply_read(const ply_maker *m) {
     return mesh_read(read_ply, mesh_write("a.ply", m->bytes, m->size), plain);
 }
 
-#define XYZ "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+#define VERTICES(count) "element vertex " #count "\nproperty float x\nproperty float y\nproperty float z\n"
+#define XYZ VERTICES(4)
+#define RGB(type) "property " type " red\nproperty " type " green\nproperty " type " blue\n"
+#define NORMALS "property float nx\nproperty float ny\nproperty float nz\n"
 #define FACES(count) "element face " #count "\nproperty list uchar int vertex_indices\n"
 
 static inline void ply_square(ply_maker *m) { ROW(m, "fff fff fff fff", 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0); }

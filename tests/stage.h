@@ -31,13 +31,6 @@ static inline void stage_open(stage *s) {
     s->scene = new_scene(s->context);
 }
 
-static inline void *stage_memory(size_t bytes) {
-    void *memory = calloc(1, bytes + 16);
-    assert_non_null(memory);
-    unit_own(memory, free);
-    return memory;
-}
-
 static inline world *stage_world(stage *s) {
     if (!s->world) s->world = new_world(s->scene);
     return s->world;
@@ -69,8 +62,8 @@ static inline trace_tracer *stage_embree(stage *s, unsigned width) {
 static inline fathom_id add_ball(stage *s, fathom_id group, unsigned n, double bump, double radius, double x,
                                  unsigned flags) {
     unsigned around = 2 * n, vertices = around * (n - 1) + 2;
-    float *p = stage_memory(vertices * 3 * sizeof *p);
-    uint32_t *index = stage_memory((size_t)around * 2 * (n - 1) * 3 * sizeof *index), *t = index;
+    float *p = unit_memory(vertices * 3 * sizeof *p);
+    uint32_t *index = unit_memory((size_t)around * 2 * (n - 1) * 3 * sizeof *index), *t = index;
     float *v = p;
     for (unsigned j = 1; j < n; ++j) {
         for (unsigned i = 0; i < around; ++i) {
@@ -102,8 +95,8 @@ static inline fathom_id add_ball(stage *s, fathom_id group, unsigned n, double b
 
 /* A flat square [-1,1]² of 2 n² triangles at height z. */
 static inline void add_grid(stage *s, unsigned n, double z) {
-    float *p = stage_memory((n + 1) * (n + 1) * 3 * sizeof *p), *v = p;
-    uint32_t *index = stage_memory((size_t)n * n * 6 * sizeof *index), *t = index;
+    float *p = unit_memory((n + 1) * (n + 1) * 3 * sizeof *p), *v = p;
+    uint32_t *index = unit_memory((size_t)n * n * 6 * sizeof *index), *t = index;
     for (unsigned j = 0; j <= n; ++j) {
         for (unsigned i = 0; i <= n; ++i) {
             *v++ = -1 + 2 * (float)i / (float)n, *v++ = -1 + 2 * (float)j / (float)n, *v++ = (float)z;
@@ -271,7 +264,7 @@ static inline ray_set edge_rays(const world *w, size_t count) {
  * ten) before the silhouette: hit or miss is decided by the intersector. */
 static inline ray_set silhouette_rays(stage *s, size_t spheres, double least, size_t count, double nearest,
                                       double farthest) {
-    double(*c)[4] = stage_memory(spheres * sizeof *c);
+    double(*c)[4] = unit_memory(spheres * sizeof *c);
     for (size_t i = 0; i < spheres; ++i) {
         for (int k = 0; k < 3; ++k) c[i][k] = between(-10, 10);
         c[i][3] = pow(10, between(least, 0));

@@ -1,8 +1,8 @@
 /* Texture files of tests, and what caches of them look up. */
 #pragma once
 
-#include "defaults.h"
 #include "image/image.h"
+#include "owned.h"
 #include "scene/scene.h"
 #include "texture/cache.h"
 #include "unit_folder.h"
@@ -63,6 +63,8 @@ static inline void put_image(const char *name, unsigned width, unsigned height, 
 
 /* ---- caches ---- */
 
+UNIT_OWNS(cache, texture_cache, texture_cache_close)
+
 typedef struct opened {
     fathom_scene *scene;
     texture_cache *cache;
@@ -75,17 +77,12 @@ static inline fathom_texture texture_of(const char *name, fathom_color_space spa
 }
 
 static inline opened open_textures(const fathom_texture *textures, size_t count, uint64_t limit) {
-    opened o;
-    assert_ok(context, fathom_scene_create(context, &o.scene));
+    opened o = {.scene = new_scene(context)};
     for (size_t i = 0; i < count; ++i)
         assert_ok(context, fathom_scene_add_texture(o.scene, &textures[i], NULL));
     assert_ok(context, texture_cache_open(context, o.scene, limit, &o.cache));
+    own_cache(o.cache);
     return o;
-}
-
-static inline void close_textures(opened *o) {
-    texture_cache_close(o->cache);
-    fathom_scene_destroy(o->scene);
 }
 
 static inline void look(texture_cache *cache, fathom_id texture, float u, float v, float width,

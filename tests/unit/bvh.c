@@ -14,7 +14,7 @@ static size_t same_as_linear(stage *s, const char *precision, const ray_set *set
     trace_tracer *linear = stage_spec(s, text);
     size_t blocks = (set->count + 15) / 16, met = 0, differ = 0, any_differ = 0;
     ray_set b = rays_copy(set), l = rays_copy(set);
-    trace_fine *bf = stage_memory(blocks * sizeof *bf), *lf = stage_memory(blocks * sizeof *lf);
+    trace_fine *bf = unit_memory(blocks * sizeof *bf), *lf = unit_memory(blocks * sizeof *lf);
     unsigned state = trace_thread_begin();
     trace_closest_fine(tree, b.blocks, bf, set->count, TRACE_INCOHERENT);
     trace_closest_fine(linear, l.blocks, lf, set->count, TRACE_INCOHERENT);
@@ -54,8 +54,8 @@ UNIT_TEST(everything) {
 
 /* Triangles of all sizes, from points to slivers that cross the scene, many through each other. */
 static void add_soup(stage *s, uint32_t triangles, double reach) {
-    float *p = stage_memory(triangles * 9 * sizeof *p);
-    uint32_t *index = stage_memory(triangles * 3 * sizeof *index);
+    float *p = unit_memory(triangles * 9 * sizeof *p);
+    uint32_t *index = unit_memory(triangles * 3 * sizeof *index);
     for (uint32_t i = 0; i < triangles; ++i) {
         double size = pow(10, between(-4, 0.3));
         for (int k = 0; k < 3; ++k) {
@@ -139,7 +139,7 @@ UNIT_TEST(silhouettes) {
 /* A triangle of aspect 10^4 around c. */
 static void add_sliver(stage *s, fathom_id group, const double c[3]) {
     static const uint32_t index[] = {0, 1, 2};
-    float *p = stage_memory(9 * sizeof *p);
+    float *p = unit_memory(9 * sizeof *p);
     for (int k = 0; k < 3; ++k) {
         double along = between(-1, 1);
         p[k] = (float)(c[k] - along), p[3 + k] = (float)(c[k] + along);
@@ -319,8 +319,7 @@ static uint32_t holds(const bvh_tree *tree, const bvh_item *items, uint32_t at, 
 /* Items that no plane parts (all in one place), and items that each split peels off one by one. */
 UNIT_TEST(hard_cases_end) {
     enum { count = 20000 };
-    bvh_item *items = calloc(count, sizeof *items);
-    assert_non_null(items);
+    bvh_item *items = unit_memory(count * sizeof *items);
     for (int hard = 0; hard < 2; ++hard) {
         for (uint32_t i = 0; i < count; ++i) {
             items[i].id = i;
@@ -333,7 +332,6 @@ UNIT_TEST(hard_cases_end) {
         assert_int_equal(holds(&tree, items, 0, 0), count);
         free(tree.nodes);
     }
-    free(items);
 }
 
 static bool stop_at(void *user, double fraction) {

@@ -497,7 +497,7 @@ UNIT_TEST(bytes_come_back) {
     checkpoint_state read;
     make_file(*state, &f);
     size_t bytes = (size_t)f.film->width * f.film->height * f.film->channel_count * sizeof(float);
-    float *pixels = malloc(bytes);
+    float *pixels = unit_memory(bytes);
     memcpy(pixels, f.film->pixels, bytes);
     memset(f.film->pixels, 0, bytes);
     assert_ok(f.context, read_state(&f, f.bytes, f.size, &read));
@@ -514,7 +514,6 @@ UNIT_TEST(bytes_come_back) {
             assert_memory_equal(row + 32, wanted + 32, 4 * sizeof(float));
         }
     }
-    free(pixels);
     checkpoint_state_destroy(&read);
 }
 
@@ -524,11 +523,10 @@ UNIT_TEST(no_part_is_taken_for_the_whole) {
     make_file(*state, &f);
     for (size_t size = 0; size < f.size; size += size < 1000 || f.size - size < 1000 ? 1 : 97)
         assert_int_equal(read_bytes(&f, f.bytes, size), FATHOM_BAD_INPUT);
-    unsigned char *longer = calloc(1, f.size + 9);
+    unsigned char *longer = unit_memory(f.size + 9);
     memcpy(longer, f.bytes, f.size);
     for (size_t more = 1; more < 10; ++more)
         assert_int_equal(read_bytes(&f, longer, f.size + more), FATHOM_BAD_INPUT);
-    free(longer);
 }
 
 UNIT_TEST(no_flipped_bit_goes_unseen) {

@@ -109,11 +109,9 @@ static void same_answers(const trace_tracer *tracer, const ray_set *set, const r
 /* The same rays in random order and company: each still gets its answer. */
 static void same_answers_mixed(const trace_tracer *tracer, const ray_set *set, const ray_set *expected,
                                const unsigned char *expected_any, trace_coherence coherence) {
-    size_t *order = malloc(set->count * sizeof *order);
-    assert_non_null(order);
+    size_t *order = unit_memory(set->count * sizeof *order);
     ray_set mixed = shuffled(set, order), e = rays_new(set->count);
-    unsigned char *any = malloc(set->count);
-    assert_non_null(any);
+    unsigned char *any = unit_memory(set->count);
     for (size_t i = 0; i < set->count; ++i) {
         const trace_block *from = &expected->blocks[order[i] / 16];
         trace_block *to = &e.blocks[i / 16];
@@ -124,7 +122,6 @@ static void same_answers_mixed(const trace_tracer *tracer, const ray_set *set, c
         any[i] = expected_any[order[i]];
     }
     same_answers(tracer, &mixed, &e, any, coherence);
-    free(any), free(order);
 }
 
 static void one_answer(stage *s, ray_set set) {

@@ -150,8 +150,7 @@ UNIT_TEST(meshes) {
  * them does not, and neither does how many threads there are. */
 UNIT_TEST(every_vertex_of_many) {
     enum { VERTICES = 300000, FLOATS = 5 };
-    float *long_one = calloc((size_t)VERTICES * FLOATS, sizeof *long_one);
-    assert_non_null(long_one);
+    float *long_one = unit_memory((size_t)VERTICES * FLOATS * sizeof *long_one);
     fathom_mesh *m = &scene->meshes.items[0];
     const fathom_mesh short_one = *m;
     m->positions = long_one, m->vertex_count = VERTICES, m->position_stride = FLOATS * sizeof(float);
@@ -166,7 +165,6 @@ UNIT_TEST(every_vertex_of_many) {
     SEES(long_one[(VERTICES - 1) * FLOATS + 2], 1);
     assert_true(fingerprint() == alone);
     *m = short_one;
-    free(long_one);
 }
 
 static void write_config(const char *path, const char *text) {

@@ -15,8 +15,7 @@ static float value_at(uint32_t x, uint32_t y) { return (float)((x + 131 * y) % 1
 UNIT_TEST(rows_keep_their_place_across_chunks) {
     fathom_write_options options = default_write_options();
     options.float_color = true;
-    float *values = malloc((size_t)WIDTH * HEIGHT * sizeof *values);
-    assert_non_null(values);
+    float *values = unit_memory((size_t)WIDTH * HEIGHT * sizeof *values);
     for (uint32_t y = 0; y < HEIGHT; ++y) {
         for (uint32_t x = 0; x < WIDTH; ++x) values[(size_t)y * WIDTH + x] = value_at(x, y);
     }
@@ -25,7 +24,6 @@ UNIT_TEST(rows_keep_their_place_across_chunks) {
                                       {"B", IMAGE_FLOAT, true, values, sizeof *values}};
     const image img = {WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, channels, 3, NULL, 0, 0};
     assert_ok(context, image_write(context, &img, in_folder("a.exr"), &options));
-    free(values);
     const image *back;
     assert_ok(context, image_read(context, in_folder("a.exr"), &back));
     assert_true(back->width == WIDTH && back->height == HEIGHT && back->channel_count == 3);

@@ -10,7 +10,7 @@ typedef struct answers {
 } answers;
 
 static answers answer(const trace_tracer *tracer, const ray_set *set) {
-    answers a = {rays_copy(set), stage_memory((set->count + 15) / 16 * sizeof *a.fine)};
+    answers a = {rays_copy(set), unit_memory((set->count + 15) / 16 * sizeof *a.fine)};
     unsigned state = trace_thread_begin();
     trace_closest_fine(tracer, a.rays.blocks, a.fine, set->count, TRACE_INCOHERENT);
     trace_thread_end(state);

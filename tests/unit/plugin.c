@@ -41,7 +41,7 @@ UNIT_TEST(double_precision_arrives) {
     ray_set set = random_rays(1600);
     trace_tracer *theirs = stage_spec(&s, LIBRARY("correct")), *ours = stage_spec(&s, "linear:f64");
     ray_set t = rays_copy(&set), o = rays_copy(&set);
-    trace_fine *tf = stage_memory(100 * sizeof *tf), *of = stage_memory(100 * sizeof *of);
+    trace_fine *tf = unit_memory(100 * sizeof *tf), *of = unit_memory(100 * sizeof *of);
     trace_closest_fine(theirs, t.blocks, tf, 1600, TRACE_COHERENT);
     trace_closest_fine(ours, o.blocks, of, 1600, TRACE_COHERENT);
     size_t meshes = 0;

@@ -180,8 +180,7 @@ UNIT_TEST(tracers_agree_on_every_point) {
 UNIT_TEST(memory_of_points_is_foreseen) {
     enum { MANY = 200000 };
     stage s = stage_open(8, 8);
-    float *many = malloc(MANY * 3 * sizeof *many);
-    assert_non_null(many);
+    float *many = unit_memory(MANY * 3 * sizeof *many);
     for (uint32_t i = 0; i < 3 * MANY; ++i) many[i] = (float)(i * 2654435761u >> 8) * 0x1p-24f;
     fathom_mesh mesh = cloud_of(0.002f, stage_lambert(&s, 0.5f));
     mesh.positions = many, mesh.vertex_count = MANY;
@@ -193,7 +192,6 @@ UNIT_TEST(memory_of_points_is_foreseen) {
     const double peak = (double)trace_peak_bytes(tracer), foreseen = (double)trace_foreseen_bytes(tracer);
     if (!(peak <= foreseen && peak > 0.8 * foreseen)) fail_msg("%g of %g bytes", peak, foreseen);
     trace_destroy(tracer);
-    free(many);
 }
 
 /* ---- what a world tells of points ---- */

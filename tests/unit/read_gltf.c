@@ -185,8 +185,7 @@ UNIT_TEST(sparse_accessors_replace_elements) {
 /* A large shape key, of which few vertices differ from zero. */
 UNIT_TEST(many_sparse_elements_need_no_view) {
     enum { COUNT = 1100000, BYTES = 300000 };
-    unsigned char *bytes = calloc(1, BYTES);
-    assert_non_null(bytes);
+    unsigned char *bytes = unit_memory(BYTES);
     memcpy(bytes, &(uint32_t[1]){COUNT - 2}, 4);
     memcpy(bytes + 4, (float[3]){7, 8, 9}, 12);
     write_glb("{" ASSET ",'buffers':[{'byteLength':300000}],'bufferViews':[{'buffer':0,'byteLength':4},"
@@ -195,7 +194,6 @@ UNIT_TEST(many_sparse_elements_need_no_view) {
               "'indices':{'bufferView':0,'componentType':5125},'values':{'bufferView':1}}}],"
               "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':5}]}]}",
               bytes, BYTES);
-    free(bytes);
     fathom_scene *scene = read_file();
     assert_int_equal(scene->meshes.items[0].vertex_count, COUNT);
 }

@@ -91,7 +91,7 @@ UNIT_TEST(cancelled_corners_get_a_triangles_normal) {
 UNIT_TEST(normals_do_not_depend_on_thread_count) {
     enum { vertices = 20000, triangles = 60000 };
     float(*p)[3] = malloc(vertices * sizeof *p), (*n[2])[3];
-    uint32_t *indices = malloc(3 * triangles * sizeof *indices);
+    uint32_t *indices = unit_memory(3 * triangles * sizeof *indices);
     random_state random = {9};
     for (uint32_t i = 0; i < vertices; ++i) {
         for (int k = 0; k < 3; ++k) p[i][k] = (float)random_in(&random, -1, 1);
@@ -105,7 +105,6 @@ UNIT_TEST(normals_do_not_depend_on_thread_count) {
     assert_memory_equal(n[0], n[1], vertices * sizeof **n);
     free(n[0]);
     free(n[1]);
-    free(indices);
     free(p);
 }
 

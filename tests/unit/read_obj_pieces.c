@@ -66,10 +66,9 @@ static void check_corner(const fathom_mesh *m, size_t corner, int quad) {
 
 UNIT_TEST(pieces_count_on_from_those_before) {
     const size_t room = (size_t)QUADS * 256;
-    char *text = malloc(room);
+    char *text = unit_memory(room);
     size_t used = 0;
     unsigned char found[QUADS] = {0};
-    assert_non_null(text);
     used += (size_t)sprintf(text, "mtllib a.mtl\n");
     for (int quad = 0; quad < QUADS; ++quad) used += write_quad(text + used, room - used, quad);
     assert_true(used > 3 * ((size_t)1 << 18)); /* pieces have 2^18 bytes */
@@ -91,7 +90,6 @@ UNIT_TEST(pieces_count_on_from_those_before) {
     for (int quad = 0; quad < QUADS; ++quad) {
         if (found[quad] != (is_lost(quad) ? 0 : 2)) fail_msg("quad %d has %u triangles", quad, found[quad]);
     }
-    free(text);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

@@ -76,12 +76,9 @@ UNIT_TEST(all_number_types_are_read) {
 
 /* Signs are kept: characters and shorts below zero, indices above 127 and 32767. */
 UNIT_TEST(signed_and_unsigned_numbers_differ) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "element vertex 201\nproperty char x\nproperty short y\nproperty int z\n"
-                   "element face 1\nproperty list uchar uchar vertex_indices\n",
-                   0);
+    for (ply_maker m = {0};
+         ply_each(&m, "element vertex 201\nproperty char x\nproperty short y\nproperty int z\n"
+                      "element face 1\nproperty list uchar uchar vertex_indices\n");) {
         for (int i = 0; i < 201; ++i) ROW(&m, "bsi", -i / 2, -i * 100, -i * 100000);
         ROW(&m, "bbbb", 3, 0, 128, 200);
         fathom_scene *scene = ply_read(&m);
@@ -103,9 +100,7 @@ UNIT_TEST(elements_may_come_in_any_order) {
         "element vertex 5\nproperty float z\nproperty uchar red\nproperty list uchar short neighbours\n"
         "property float y\nproperty float t\nproperty double x\nproperty float s\n"
         "element rest 1\nproperty float a\n";
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour, lines, 0);
+    for (ply_maker m = {0}; ply_each(&m, lines);) {
         ROW(&m, "bffi", 2, 0.5, 0.25, 7);
         ROW(&m, "bisssssd", 1, 0, 4, 0, 1, 2, 3, 1.5);
         ROW(&m, "bifssssd", 1, 1, 0.5, 3, 0, 1, 4, 2.5);
@@ -134,9 +129,7 @@ UNIT_TEST(all_names_of_uvs_are_known) {
     for (int i = 0; i < 3; ++i) {
         char lines[256];
         ply_maker m;
-        snprintf(lines, sizeof lines,
-                 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                 "property float %s\nproperty float %s\n" FACES(1),
+        snprintf(lines, sizeof lines, VERTICES(3) "property float %s\nproperty float %s\n" FACES(1),
                  names[i][0], names[i][1]);
         ply_header(&m, ASCII, lines, 0);
         ROW(&m, "fffff fffff fffff biii", 0, 0, 0, 0, 1, 1, 0, 0, 2, 3, 0, 1, 0, 4, 5, 3, 0, 1, 2);
@@ -147,10 +140,7 @@ UNIT_TEST(all_names_of_uvs_are_known) {
 
 /* Concave polygons of different sizes in one file, faces too small to be any. */
 UNIT_TEST(polygons_are_triangulated) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" FACES(4), 0);
+    for (ply_maker m = {0}; ply_each(&m, VERTICES(6) FACES(4));) {
         ROW(&m, "fff fff fff fff fff fff", 0, 0, 0, 2, 0, 0, 2, 1, 0, 1, 1, 0, 1, 2, 0, 0, 2, 0);
         ROW(&m, "biiiiii bii biii biiii", 6, 1, 2, 3, 4, 5, 0, 2, 0, 1, 3, 0, 1, 2, 4, 2, 4, 3, 1);
         fathom_scene *scene = ply_read(&m);
@@ -171,12 +161,8 @@ UNIT_TEST(polygons_are_triangulated) {
 
 /* A strip zigzags: every other triangle is turned round. -1 starts again. */
 UNIT_TEST(strips_keep_their_winding) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n"
-                   "element tristrips 1\nproperty list int int vertex_indices\n",
-                   0);
+    for (ply_maker m = {0};
+         ply_each(&m, VERTICES(5) "element tristrips 1\nproperty list int int vertex_indices\n");) {
         ROW(&m, "fff fff fff fff fff", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0);
         ROW(&m, "iiiiiiiiii", 9, 0, 1, 2, 3, 4, -1, 1, 3, 2);
         const uint32_t expected[12] = {0, 1, 2, 2, 1, 3, 2, 3, 4, 1, 3, 2};
@@ -194,7 +180,7 @@ UNIT_TEST(far_meshes_keep_their_digits) {
         ply_header(
             &m, (ply_flavour)(i / 2),
             wide ? "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n" FACES(1)
-                 : "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n" FACES(1),
+                 : VERTICES(3) FACES(1),
             0);
         const double x = wide ? 6378137.123456789 : 8388607;
         ply_row(&m, wide ? "ddd ddd ddd biii" : "fff fff fff biii",
@@ -213,7 +199,7 @@ UNIT_TEST(far_meshes_keep_their_digits) {
 
 UNIT_TEST(options_are_applied) {
     ply_maker m;
-    ply_header(&m, LITTLE, XYZ "property float nx\nproperty float ny\nproperty float nz\n" FACES(1), 0);
+    ply_header(&m, LITTLE, XYZ NORMALS FACES(1), 0);
     for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", i % 2, i / 2, 0, 1, 0, 0);
     ROW(&m, "biiii", 4, 0, 1, 3, 2);
     const char *path = mesh_write("a.ply", m.bytes, m.size);
@@ -267,13 +253,10 @@ UNIT_TEST(byte_order_mark_and_line_ends_change_nothing) {
 }
 
 UNIT_TEST(unused_properties_are_reported) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "comment TextureFile a.png\nelement camera 1\nproperty float view\n" XYZ
-                   "property uchar red\nproperty uchar green\nproperty float quality\n" FACES(
-                       1) "property uchar blue\n",
-                   0);
+    for (ply_maker m = {0};
+         ply_each(&m, "comment TextureFile a.png\nelement camera 1\nproperty float view\n" XYZ
+                      "property uchar red\nproperty uchar green\nproperty float quality\n" FACES(
+                          1) "property uchar blue\n");) {
         ROW(&m, "f", 0);
         const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
         for (int i = 0; i < 4; ++i) ROW(&m, "fffbbf", corners[i][0], corners[i][1], 0, 1, 2, 3);
@@ -301,10 +284,7 @@ UNIT_TEST(a_property_of_one_letter_is_no_colour) {
 
 /* Without faces each vertex is a point, in its colour. */
 UNIT_TEST(clouds_of_points_are_spheres) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   XYZ "property float red\nproperty float green\nproperty float blue\n", 0);
+    for (ply_maker m = {0}; ply_each(&m, XYZ RGB("float"));) {
         const double corners[4][2] = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
         for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", corners[i][0], corners[i][1], 0, i / 4.0, 0, 1);
         fathom_scene *scene = ply_read(&m);
@@ -327,8 +307,7 @@ UNIT_TEST(points_without_a_place_are_left_out) {
     for (int k = 0; k < 2 * FLAVOURS; ++k) {
         const double far = k < FLAVOURS ? 0 : 1e6;
         ply_maker m;
-        ply_header(&m, (ply_flavour)(k % FLAVOURS),
-                   XYZ "property float red\nproperty float green\nproperty float blue\n", 0);
+        ply_header(&m, (ply_flavour)(k % FLAVOURS), XYZ RGB("float"), 0);
         ROW(&m, "ffffff", far, 0, 0, 0, 0, 1);
         ROW(&m, "ffffff", (double)NAN, 0, (double)INFINITY, 0.25, 0, 1);
         ROW(&m, "ffffff", far + 4, 3, 0, 0.5, 0, (double)NAN);
@@ -349,10 +328,7 @@ UNIT_TEST(points_without_a_place_are_left_out) {
 
 /* A polygon goes with any of its corners; the bounds, and so the camera, do not know the lost vertex. */
 UNIT_TEST(faces_of_lost_vertices_are_left_out) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n" FACES(3), 0);
+    for (ply_maker m = {0}; ply_each(&m, VERTICES(5) FACES(3));) {
         ROW(&m, "fff fff fff fff fff", 0, 0, 0, 1, 0, 0, 1, 1, 0, (double)NAN, 9, 9, 0, 1, 0);
         ROW(&m, "biii biiii biii", 3, 0, 1, 2, 4, 0, 1, 2, 3, 3, 0, 2, 4);
         fathom_scene *scene = ply_read(&m);
@@ -367,14 +343,10 @@ UNIT_TEST(faces_of_lost_vertices_are_left_out) {
 
 /* One warning, and colours as other sRGB colours: 0.5 + f / sqrt(4 pi), clamped. Opacities are logits. */
 UNIT_TEST(splats_are_points) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
-                   "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
-                   "property float f_rest_0\nproperty float opacity\nproperty float scale_0\n"
-                   "property float rot_0\n",
-                   0);
+    for (ply_maker m = {0};
+         ply_each(&m, VERTICES(2) "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\n"
+                                  "property float f_rest_0\nproperty float opacity\nproperty float scale_0\n"
+                                  "property float rot_0\n");) {
         ROW(&m, "ffffffffff", 0, 0, 0, 0, 9, -9, 0, 0, 0, 0);
         ROW(&m, "ffffffffff", 1, 0, 0, 1, 0, 0, 0, -9, 0, 0);
         fathom_scene *scene = ply_read(&m);
@@ -409,12 +381,9 @@ static float uv_at(const fathom_mesh *mesh, size_t corner, int k) {
  * they are x and y, and 10 more on the polygon. Equal uvs at a vertex are stored once. */
 UNIT_TEST(corners_have_uvs_of_their_own) {
     image("t.ppm");
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "comment TextureFile t.ppm\nelement vertex 5\nproperty float x\nproperty float y\n"
-                   "property float z\nproperty float s\nproperty float t\n" LOOK_FACES(2),
-                   0);
+    for (ply_maker m = {0};
+         ply_each(&m, "comment TextureFile t.ppm\nelement vertex 5\nproperty float x\nproperty float y\n"
+                      "property float z\nproperty float s\nproperty float t\n" LOOK_FACES(2));) {
         ROW(&m, "fffff fffff fffff", 0, 0, 0, 7, 7, 4, 0, 0, 7, 7, 1, 1, 0, 7, 7);
         ROW(&m, "fffff fffff", 0, 4, 0, 7, 7, -4, -4, 0, 7, 7);
         ROW(&m, "biiibffffff", 3, 0, 1, 4, 6, 0, 0, 4, 0, -4, -4);
@@ -439,12 +408,9 @@ UNIT_TEST(corners_have_uvs_of_their_own) {
 UNIT_TEST(each_texture_is_one_mesh) {
     image("t.ppm");
     image("s.ppm");
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "comment TextureFile t.ppm\ncomment TextureFile none.ppm\ncomment TextureFile "
-                   "s.ppm\n" XYZ LOOK_FACES(6) "property int texnumber\n",
-                   0);
+    for (ply_maker m = {0};
+         ply_each(&m, "comment TextureFile t.ppm\ncomment TextureFile none.ppm\ncomment TextureFile "
+                      "s.ppm\n" XYZ LOOK_FACES(6) "property int texnumber\n");) {
         ply_square(&m);
         static const int numbers[6] = {2, 0, -1, 2, 1, 9};
         for (int i = 0; i < 6; ++i)
@@ -475,9 +441,7 @@ UNIT_TEST(each_texture_is_one_mesh) {
 
 /* Lists of another length, and numbers that are none, are 0; faces of a lost vertex take theirs along. */
 UNIT_TEST(odd_uvs_of_corners_are_zero) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour, XYZ LOOK_FACES(4), 0);
+    for (ply_maker m = {0}; ply_each(&m, XYZ LOOK_FACES(4));) {
         ROW(&m, "fff fff fff fff", (double)NAN, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0);
         ROW(&m, "biiibffffff", 3, 0, 1, 2, 6, 9, 9, 9, 9, 9, 9);
         ROW(&m, "biiibffffff", 3, 1, 2, 3, 6, 5, 5, 5, 5, 5, (double)NAN);
@@ -537,10 +501,7 @@ UNIT_TEST(colours_of_faces_are_shown) {
 /* Colours of vertices are finer, and go first. */
 UNIT_TEST(colours_of_vertices_go_before_those_of_faces) {
     ply_maker m;
-    ply_header(&m, LITTLE,
-               XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n" FACES(
-                   1) "property uchar red\nproperty uchar green\nproperty uchar blue\n",
-               0);
+    ply_header(&m, LITTLE, XYZ RGB("uchar") FACES(1) RGB("uchar"), 0);
     ROW(&m, "fffbbb fffbbb", 0, 0, 0, 255, 0, 0, 1, 0, 0, 255, 0, 0);
     ROW(&m, "fffbbb fffbbb", 1, 1, 0, 255, 0, 0, 0, 1, 0, 255, 0, 0);
     ROW(&m, "biiiibbb", 4, 0, 1, 2, 3, 0, 0, 255);
@@ -594,10 +555,7 @@ UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
 
 /* No face uses the third vertex, so that the bounds do not have it. */
 UNIT_TEST(stray_vertices_are_left_out) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n" FACES(2), 0);
+    for (ply_maker m = {0}; ply_each(&m, VERTICES(5) FACES(2));) {
         ROW(&m, "fff fff fff fff fff", 0, 0, 0, 1, 0, 0, 9, 0, -9, 1, 1, 0, 0, 1, 0);
         ROW(&m, "biii biii", 3, 0, 1, 3, 3, 0, 3, 4);
         fathom_scene *scene = ply_read(&m);
@@ -651,9 +609,7 @@ UNIT_TEST(vertex_colours_are_read) {
         const bool whole = flavour < FLAVOURS;
         ply_maker m;
         ply_header(&m, (ply_flavour)(flavour % FLAVOURS),
-                   whole ? XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n" FACES(1)
-                         : XYZ "property float red\nproperty float green\nproperty float blue\n" FACES(1),
-                   0);
+                   whole ? XYZ RGB("uchar") FACES(1) : XYZ RGB("float") FACES(1), 0);
         const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
         for (int i = 0; i < 4; ++i) {
             if (whole)
@@ -712,9 +668,7 @@ UNIT_TEST(float_face_colours_of_bytes_are_decoded) {
         const bool bytes = k < 2 * FLAVOURS, alpha = k < FLAVOURS;
         ply_maker m;
         char lines[256];
-        snprintf(lines, sizeof lines,
-                 "%s" XYZ FACES(2) "property float red\nproperty float green\nproperty float blue\n"
-                                   "property float alpha\n",
+        snprintf(lines, sizeof lines, "%s" XYZ FACES(2) RGB("float") "property float alpha\n",
                  k % 2 ? "" : "comment from a scanner\n");
         ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
         for (int i = 0; i < 4; ++i) ROW(&m, "fff", (i + 1) / 2 % 2, i / 2, 0);
@@ -739,12 +693,11 @@ UNIT_TEST(opacities_and_second_uvs_are_read) {
     for (int flavour = 0; flavour < 4 * FLAVOURS; ++flavour) {
         const bool whole = flavour / FLAVOURS % 2, clear = flavour / FLAVOURS / 2;
         ply_maker m;
-        ply_header(&m, (ply_flavour)(flavour % FLAVOURS),
-                   whole ? XYZ "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-                               "property uchar alpha\nproperty float s1\nproperty float t1\n" FACES(1)
-                         : XYZ "property float red\nproperty float green\nproperty float blue\n"
-                               "property float alpha\nproperty float s1\nproperty float t1\n" FACES(1),
-                   0);
+        ply_header(
+            &m, (ply_flavour)(flavour % FLAVOURS),
+            whole ? XYZ RGB("uchar") "property uchar alpha\nproperty float s1\nproperty float t1\n" FACES(1)
+                  : XYZ RGB("float") "property float alpha\nproperty float s1\nproperty float t1\n" FACES(1),
+            0);
         const double corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, most = whole ? 255 : 1;
         for (int i = 0; i < 4; ++i)
             ROW(&m, whole ? "fffbbbbff" : "fffffffff", corners[i][0], corners[i][1], 0, most, 0, most,
@@ -762,15 +715,13 @@ UNIT_TEST(opacities_and_second_uvs_are_read) {
 
 /* Behind the last row, and behind the last number of a row of text. */
 UNIT_TEST(extra_rows_are_reported) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour, XYZ FACES(1), 0);
+    for (ply_maker m = {0}; ply_each(&m, XYZ FACES(1));) {
         ply_square(&m);
         ROW(&m, "biiii", 4, 0, 1, 2, 3);
         ply_text(&m, "1 2\n3 4\n");
         fathom_scene *scene = ply_read(&m);
         ply_expect_square(scene);
-        expect_warning(flavour == ASCII
+        expect_warning(m.flavour == ASCII
                            ? "rows after the 5 that the header promises are left out (2 such)"
                            : "bytes after the rows that the header promises are left out (8 such)");
     }

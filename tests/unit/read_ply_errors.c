@@ -162,15 +162,13 @@ UNIT_TEST(the_first_fault_is_reported) {
     ply_header(&m, LITTLE, XYZ FACES(300000), 0);
     ply_square(&m);
     size_t size = m.size + (size_t)faces * row;
-    unsigned char *bytes = malloc(size);
-    assert_non_null(bytes);
+    unsigned char *bytes = unit_memory(size);
     memcpy(bytes, m.bytes, m.size);
     for (size_t i = 0; i < faces; ++i) memcpy(bytes + m.size + row * i, right, row);
     for (size_t i = 90000; i < faces; i += 90000) bytes[m.size + row * i + 1] = wrong;
     const char *path = mesh_write("a.ply", bytes, size);
     char expected[96];
     snprintf(expected, sizeof expected, "at byte %zu: face: vertex index 7", m.size + row * 90000ul + 1);
-    free(bytes);
     for (unsigned threads = 1; threads < 8; threads += 3) {
         fathom_status status;
         fathom_context_set_threads(context, threads);
@@ -185,8 +183,7 @@ static void make_any(ply_maker *m, int flavour, bool strips) {
     ply_header(m, (ply_flavour)flavour,
                strips ? "element vertex 4\nproperty double x\nproperty float y\nproperty short z\n"
                         "element tristrips 1\nproperty list int int vertex_indices\n"
-                      : "element junk 2\nproperty list uchar short a\n" XYZ
-                        "property float nx\nproperty float ny\nproperty float nz\n" FACES(3),
+                      : "element junk 2\nproperty list uchar short a\n" XYZ NORMALS FACES(3),
                0);
     if (strips) {
         ROW(m, "dfs dfs dfs dfs iiiiii", 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 0, 1, 2, 3, -1);

@@ -23,10 +23,8 @@ UNIT_TEST(whole_colours_of_bytes_are_decoded) {
         ply_maker m;
         snprintf(colors, sizeof colors, "property %s red\nproperty %s green\nproperty %s blue\n",
                  cases[i].type, cases[i].type, cases[i].type);
-        snprintf(lines, sizeof lines,
-                 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                 "%s" FACES(1) "%s",
-                 faces ? "" : colors, faces ? colors : "");
+        snprintf(lines, sizeof lines, VERTICES(3) "%s" FACES(1) "%s", faces ? "" : colors,
+                 faces ? colors : "");
         ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
         const char row[] = {cases[i].code, cases[i].code, cases[i].code, 0};
         const double color[] = {cases[i].red, 0, cases[i].blue};
@@ -68,9 +66,8 @@ UNIT_TEST(opacities_follow_their_own_type) {
         ply_maker m;
         snprintf(colors, sizeof colors, "property %s r\nproperty %s g\nproperty %s b\nproperty %s a\n",
                  cases[i].colors, cases[i].colors, cases[i].colors, cases[i].alphas);
-        snprintf(lines, sizeof lines,
-                 "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n%s" FACES(1) "%s",
-                 faces ? "" : colors, faces ? colors : "");
+        snprintf(lines, sizeof lines, VERTICES(3) "%s" FACES(1) "%s", faces ? "" : colors,
+                 faces ? colors : "");
         ply_header(&m, BIG, lines, 0);
         const double red = cases[i].red, alpha = cases[i].alpha;
         snprintf(types, sizeof types, "fff%s", faces ? "" : cases[i].row);
@@ -88,12 +85,7 @@ UNIT_TEST(opacities_follow_their_own_type) {
 
 /* Of a face without an alpha nothing odd is told, whatever the vertices before it hold. */
 UNIT_TEST(odd_normals_say_nothing_about_faces) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   XYZ "property float nx\nproperty float ny\nproperty float nz\n" FACES(
-                       1) "property uchar red\nproperty uchar green\nproperty uchar blue\n",
-                   0);
+    for (ply_maker m = {0}; ply_each(&m, XYZ NORMALS FACES(1) RGB("uchar"));) {
         for (int i = 0; i < 4; ++i)
             ROW(&m, "ffffff", (i + 1) / 2 % 2, i / 2, 0, (double)NAN, (double)NAN, (double)NAN);
         ROW(&m, "biiiibbb", 4, 0, 1, 2, 3, 255, 0, 0);
@@ -131,16 +123,13 @@ UNIT_TEST(lists_of_every_type_are_read) {
 
 /* What is lost takes its edges and, of a cloud, its colour along. */
 UNIT_TEST(edges_and_colours_go_with_lost_vertices) {
-    for (int flavour = 0; flavour < FLAVOURS; ++flavour) {
-        ply_maker m;
-        ply_header(&m, (ply_flavour)flavour,
-                   XYZ "element edge 3\nproperty int vertex1\nproperty int vertex2\n", 0);
+    for (ply_maker m = {0};
+         ply_each(&m, XYZ "element edge 3\nproperty int vertex1\nproperty int vertex2\n");) {
         ROW(&m, "fff fff fff fff", 0, 0, 0, (double)NAN, 0, 0, 1, 1, 0, 0, 1, 0);
         ROW(&m, "ii ii ii", 0, 1, 1, 2, 2, 3);
         fathom_scene *scene = ply_read(&m);
         assert_int_equal(mesh_at(scene, 0)->triangle_count, ROD_TRIANGLES);
-        ply_header(&m, (ply_flavour)flavour,
-                   XYZ "property float red\nproperty float green\nproperty float blue\n", 0);
+        ply_header(&m, m.flavour, XYZ RGB("float"), 0);
         for (int i = 0; i < 4; ++i) ROW(&m, "ffffff", i == 1 ? (double)INFINITY : i, 0, 0, 0.25 * i, 0, 0);
         scene = ply_read(&m);
         assert_int_equal(mesh_at(scene, 0)->vertex_count, 3);

@@ -223,8 +223,8 @@ UNIT_TEST(other_streams_move_along) {
  * minutes. */
 UNIT_TEST(many_corners_are_triangulated) {
     const uint32_t teeth = 100000, n = 2 * teeth + 1;
-    float(*p)[3] = calloc(n, sizeof *p);
-    uint32_t *fan = malloc(3 * (size_t)n * sizeof *fan);
+    float(*p)[3] = unit_memory(n * sizeof *p);
+    uint32_t *fan = unit_memory(3 * (size_t)n * sizeof *fan);
     assert_true(p && fan);
     for (uint32_t i = 0; i + 1 < n; ++i) {
         p[i][0] = (float)i;
@@ -233,16 +233,14 @@ UNIT_TEST(many_corners_are_triangulated) {
     p[n - 1][0] = (float)teeth, p[n - 1][1] = 0x1p18f;
     split((const float(*)[3])p, n, fan);
     expect_cover((const float(*)[3])p, n, fan);
-    free(p);
-    free(fan);
 }
 
 /* Long ears that many corners could lie in, and outlines that cross themselves everywhere: the time does not
  * grow with the square of the corners, or this test would not end. */
 UNIT_TEST(many_reflex_corners_are_triangulated) {
     const uint32_t n = 200000;
-    float(*p)[3] = calloc(n, sizeof *p);
-    uint32_t *fan = malloc(3 * (size_t)n * sizeof *fan);
+    float(*p)[3] = unit_memory(n * sizeof *p);
+    uint32_t *fan = unit_memory(3 * (size_t)n * sizeof *fan);
     random_state random = {3};
     assert_true(p && fan);
     for (int star = 0; star < 2; ++star) {
@@ -256,8 +254,6 @@ UNIT_TEST(many_reflex_corners_are_triangulated) {
     /* The star is simple: all its triangles turn as it does. */
     for (uint32_t t = 0; t < n - 2; ++t)
         assert_true(area((const float(*)[3])p, fan[3 * t], fan[3 * t + 1], fan[3 * t + 2]) >= 0);
-    free(p);
-    free(fan);
 }
 
 int main(void) { return unit_main(NULL, NULL); }

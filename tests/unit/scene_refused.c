@@ -351,8 +351,8 @@ UNIT_TEST(meshes) {
 /* Long arrays are checked by several threads: told is the first fault, whoever finds one first. */
 UNIT_TEST(the_first_fault_is_told) {
     enum { VERTICES = 400000, INDICES = 3 * 400000 };
-    float *positions = calloc(VERTICES * 3, sizeof *positions);
-    uint32_t *indices = calloc(INDICES, sizeof *indices);
+    float *positions = unit_memory(VERTICES * 3 * sizeof *positions);
+    uint32_t *indices = unit_memory(INDICES * sizeof *indices);
     assert_true(positions && indices);
     fathom_context_set_threads(context, 4);
     fathom_mesh m = default_mesh();
@@ -366,14 +366,10 @@ UNIT_TEST(the_first_fault_is_told) {
     indices[300001] = 4, indices[1199999] = 9;
     m.indices = triangles, m.triangle_count = 2;
     m.normal_indices = indices;
-    uint32_t *good = calloc(INDICES, sizeof *good);
-    assert_non_null(good);
+    uint32_t *good = unit_memory(INDICES * sizeof *good);
     m.indices = good, m.triangle_count = INDICES / 3;
     REFUSED(fathom_scene_add_mesh_shared(scene, FATHOM_ROOT, &m, NULL),
             "normal_indices[300001]: 4, of triangle 100000, is out of range");
-    free(good);
-    free(positions);
-    free(indices);
 }
 
 UNIT_TEST(instances) {

@@ -28,7 +28,7 @@ static void open_sky(sky_image *s) {
 static bool sees(vec3_f64 p, vec3_f64 d) { return (p.x < 0) == (d.x < 0); }
 
 static void learn(sky_image *s, bool hidden) {
-    sky_ray *rays = malloc(RAYS * sizeof *rays);
+    sky_ray *rays = unit_memory(RAYS * sizeof *rays);
     random_state r = {2};
     for (int i = 0; i < RAYS; ++i) {
         const vec3_f64 p = {random_in(&r, -3, 3), random_in(&r, -1, 1), random_in(&r, -1, 1)},
@@ -36,7 +36,6 @@ static void learn(sky_image *s, bool hidden) {
         rays[i] = (sky_ray){narrow(p), narrow(up), narrow(d), !hidden || sees(p, d)};
     }
     assert_true(sky_learn(s, rays, RAYS));
-    free(rays);
 }
 
 static double density_at(const sky_image *s, vec3_f64 p, vec3_f64 n, vec3_f64 d) {

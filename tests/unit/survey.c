@@ -56,8 +56,8 @@ static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t ke
     stage s;
     stage_open(&s);
     random_state random = {key};
-    float *p = stage_memory(sizeof(float) * (3 * VERTICES + 4));
-    uint32_t *t = stage_memory(sizeof(uint32_t) * 3 * triangles);
+    float *p = unit_memory(sizeof(float) * (3 * VERTICES + 4));
+    uint32_t *t = unit_memory(sizeof(uint32_t) * 3 * triangles);
     for (uint32_t i = 0; i < 3 * VERTICES + 3; ++i) p[i] = coordinate(&random, size);
     for (uint32_t i = 0; i < VERTICES; i += 3) place_on_line(&random, exp2f(rintf(log2f(size))), p + 3 * i);
     for (uint32_t i = 0; i < 3 * triangles; ++i) t[i] = (uint32_t)(random_bits(&random) % VERTICES);
@@ -92,7 +92,7 @@ UNIT_TEST(bounds_hold_every_vertex) {
         stage_open(&s);
         random_state random = {count};
         size_t numbers = count % 2 ? 3 : 5;
-        float *p = stage_memory(sizeof(float) * (numbers * count + 4));
+        float *p = unit_memory(sizeof(float) * (numbers * count + 4));
         float low[3] = {9, 9, 9}, high[3] = {-9, -9, -9};
         for (size_t i = 0; i < numbers * count; ++i) {
             p[i] = i % numbers < 3 ? coordinate(&random, 1) : 1e9f;

@@ -115,7 +115,6 @@ UNIT_TEST(every_format_gives_the_texels_of_its_file) {
         opened o = open_textures(&t, 1, ALL);
         assert_string_equal(o.cache->images[0].info.format, formats[i].format);
         check_colors(o.cache, 0, formats[i].tolerance);
-        close_textures(&o);
     }
 }
 
@@ -134,7 +133,6 @@ UNIT_TEST(content_decides_the_format_of_files_and_of_bytes) {
     check_colors(o.cache, 0, 0x1p-24);
     check_colors(o.cache, 1, 0x1p-24);
     assert_string_equal(warned, "wood: is declared as image/jpeg, and read as tiff, which it is\n");
-    close_textures(&o);
 }
 
 /* ---- numbers ---- */
@@ -153,7 +151,6 @@ UNIT_TEST(bytes_follow_the_srgb_curve_or_stay_linear) {
         texel(o.cache, 1, 0, i, 0, rgba);
         assert_true(rgba[2] == (float)(i / 255.0));
     }
-    close_textures(&o);
 }
 
 UNIT_TEST(sixteen_bits_halves_and_floats_keep_every_digit) {
@@ -183,7 +180,6 @@ UNIT_TEST(sixteen_bits_halves_and_floats_keep_every_digit) {
         texel(o.cache, 3, 0, i, 0, rgba);
         assert_true(rgba[1] == planes[1024 + i]);
     }
-    close_textures(&o);
 }
 
 UNIT_TEST(alpha_is_linear_and_opaque_images_are_told) {
@@ -205,7 +201,6 @@ UNIT_TEST(alpha_is_linear_and_opaque_images_are_told) {
     texel(o.cache, 1, 1, 0, 0, rgba);
     assert_near(rgba[3], (3 + 128 / 255.0) / 4, 0x1p-12 + 0x1p-23); /* a half of at most 1, two roundings */
     assert_true(rgba[0] == 1 && rgba[2] == 0.5f);
-    close_textures(&o);
 }
 
 UNIT_TEST(named_color_spaces_become_linear_rec709) {
@@ -219,7 +214,6 @@ UNIT_TEST(named_color_spaces_become_linear_rec709) {
     texel(o.cache, 0, 0, 0, 0, rgba);
     /* The matrices of OpenColorIO are floats made of products of three. */
     for (int c = 0; c < 3; ++c) assert_near(rgba[c], 0.5, 1e-5);
-    close_textures(&o);
 }
 
 /* ---- filters ---- */
@@ -267,7 +261,6 @@ UNIT_TEST(wrap_modes_repeat_mirror_and_clamp) {
             assert_memory_equal(found, expected, sizeof found);
         }
     }
-    close_textures(&o);
 }
 
 /* Across an edge too: the neighbour is the one that the wrap mode says. */
@@ -296,7 +289,6 @@ UNIT_TEST(linear_filters_lie_between_the_four_texels_around) {
             }
         }
     }
-    close_textures(&o);
 }
 
 static void check_means(opened *o, double tolerance) {
@@ -329,7 +321,6 @@ UNIT_TEST(the_mean_of_each_level_is_the_mean_of_the_image) {
         /* Texels of smaller levels are halves of at most 1, each off by up to 2^-12; a lookup at the centre
          * of a texel moves by at most 2^-16 of a texel, as u and v are floats, and so may the value. */
         check_means(&o, 0x1p-12 + 0x1p-14);
-        close_textures(&o);
     }
 }
 
@@ -348,7 +339,6 @@ UNIT_TEST(trilinear_filters_lie_between_two_levels) {
         for (int c = 0; c < 4; ++c)
             assert_near(found[c], fine[c] + share * (coarse[c] - fine[c]), 4 * 0x1p-24);
     }
-    close_textures(&o);
 }
 
 /* Images of 4096 texels; places and widths are exact. */
@@ -369,7 +359,6 @@ UNIT_TEST(a_footprint_reads_the_level_whose_texels_have_its_area) {
                 for (int c = 0; c < 4; ++c) assert_near(found[c], expected[c], 0);
             }
         }
-        close_textures(&o);
     }
 }
 
@@ -395,20 +384,17 @@ UNIT_TEST(filters_by_chance_keep_the_expectation) {
         }
         for (int c = 0; c < 4; ++c) assert_near(mean[1][c], mean[0][c], 5.6 / (2 * sqrt(N)));
     }
-    close_textures(&o);
 }
 
 UNIT_TEST(bump_maps_are_not_read_by_chance) {
     fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_LINEAR);
-    fathom_scene *scene;
+    fathom_scene *scene = new_scene(context);
     fathom_material m = default_material();
     put_noise("n.ppm", 2, 2, 4);
-    assert_ok(context, fathom_scene_create(context, &scene));
     t.filter = FATHOM_TEXTURE_STOCHASTIC;
     assert_ok(context, fathom_scene_add_texture(scene, &t, &m.maps[FATHOM_MAP_BUMP].texture));
     assert_fails(context, fathom_scene_add_material(scene, "m", &m, NULL), FATHOM_BAD_INPUT,
                  "found stochastic");
-    fathom_scene_destroy(scene);
 }
 
 /* Lane i alone gets what it got among others. */
@@ -448,7 +434,6 @@ UNIT_TEST(blocks_and_instruction_sets_look_up_the_same_bits) {
         }
         check_alone(o.cache, &q, k % TEXTURE_BLOCK, plain);
     }
-    close_textures(&o);
 }
 
 UNIT_TEST(places_that_are_not_finite_give_some_texel) {
@@ -463,7 +448,6 @@ UNIT_TEST(places_that_are_not_finite_give_some_texel) {
         look(o.cache, i % 3, wrong[i / 3 % 7], wrong[i / 21], wrong[i % 7], rgba);
         for (int c = 0; c < 4; ++c) assert_true(rgba[c] >= 0 && rgba[c] <= 1);
     }
-    close_textures(&o);
 }
 
 /* ---- mip-mapped files ---- */
@@ -484,7 +468,6 @@ UNIT_TEST(mip_mapped_files_keep_texels_and_means) {
     }
     /* A byte is off by half a level, and the curve is nowhere steeper than 2.4 / 1.055. */
     check_means(&o, 0.5 / 255 * 2.4 / 1.055);
-    close_textures(&o);
 }
 
 UNIT_TEST(mip_mapped_files_are_read_in_parts) {
@@ -498,7 +481,6 @@ UNIT_TEST(mip_mapped_files_are_read_in_parts) {
     for (uint64_t i = 0; i < o.cache->store.size >> PYRAMID_CHUNK_SHIFT; ++i)
         filled += o.cache->store.filled[i];
     assert_int_equal(filled, 1);
-    close_textures(&o);
 }
 
 /* Halves, 16 bits and alpha, with texels of colour that alpha hides. */
@@ -524,7 +506,6 @@ UNIT_TEST(mip_mapped_files_keep_the_type_and_what_alpha_hides) {
             texel(o.cache, 1, 0, i, 0, ours);
             assert_memory_equal(ours, expected, sizeof ours);
         }
-        close_textures(&o);
     }
     put_noise("n.ppm", 2, 2, 9);
     const fathom_texture t = texture_of("n.ppm", FATHOM_COLOR_SRGB);
@@ -549,13 +530,13 @@ static void put_images(void) {
 }
 
 static opened open_images(uint64_t limit) {
-    opened o;
-    assert_ok(context, fathom_scene_create(context, &o.scene));
+    opened o = {.scene = new_scene(context)};
     for (unsigned i = 0; i < IMAGES; ++i) {
         const fathom_texture t = texture_of(image_name(i), FATHOM_COLOR_SRGB);
         assert_ok(context, fathom_scene_add_texture(o.scene, &t, NULL));
     }
     assert_ok(context, texture_cache_open(context, o.scene, limit, &o.cache));
+    own_cache(o.cache);
     return o;
 }
 
@@ -588,7 +569,6 @@ UNIT_TEST(no_result_depends_on_what_was_dropped) {
     assert_true(few.cache->store.dropped > IMAGES);
     assert_true(few.cache->store.kept + few.cache->store.resident <= 1000000);
     assert_ok(context, texture_cache_check(few.cache, context));
-    close_textures(&all), close_textures(&few);
 }
 
 /* Whole levels are in memory, from the smallest on, of all images alike; where no texture filters between
@@ -608,7 +588,6 @@ UNIT_TEST(memory_has_the_levels_that_are_looked_up_most) {
         }
     }
     assert_true(kept > 0 && least < UINT64_MAX && kept <= least);
-    close_textures(&o);
     fathom_texture t[2] = {texture_of(image_name(0), FATHOM_COLOR_SRGB),
                            texture_of(image_name(1), FATHOM_COLOR_SRGB)};
     t[0].filter = FATHOM_TEXTURE_LINEAR;
@@ -616,7 +595,6 @@ UNIT_TEST(memory_has_the_levels_that_are_looked_up_most) {
     const pyramid *linear = &o.cache->images[0].plan, *trilinear = &o.cache->images[1].plan;
     assert_true(linear->tail > 0 && linear->levels[0].offset < linear->levels[linear->tail].offset);
     assert_true(trilinear->levels[0].offset > trilinear->levels[trilinear->tail].offset);
-    close_textures(&o);
 }
 
 typedef struct looking {
@@ -647,20 +625,17 @@ UNIT_TEST(no_result_depends_on_threads) {
         assert_true(threads[i].hash == lookups_hash(alone.cache, i / 2));
     }
     assert_true(shared.cache->store.dropped > 0);
-    close_textures(&alone), close_textures(&shared);
 }
 
 /* ---- what is refused ---- */
 
 static void check_opening_fails(const fathom_texture *t, fathom_status status, const char *text) {
-    fathom_scene *scene;
+    fathom_scene *scene = new_scene(context);
     texture_cache *cache;
-    assert_ok(context, fathom_scene_create(context, &scene));
     assert_ok(context, fathom_scene_add_texture(scene, t, NULL));
     assert_fails(context, texture_cache_open(context, scene, ALL, &cache), status, text);
     assert_non_null(strstr(fathom_context_message(context), t->name ? t->name : t->file));
     assert_null(cache);
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(files_that_are_no_textures_are_named) {
@@ -701,7 +676,6 @@ UNIT_TEST(a_progressive_jpeg_has_all_of_its_scans) {
     float rgba[4];
     texel(o.cache, 0, 0, 0, 0, rgba);
     assert_ok(context, texture_cache_check(o.cache, context));
-    close_textures(&o);
     t = texture_of("cut.jpg", FATHOM_COLOR_SRGB);
     check_opening_fails(&t, FATHOM_BAD_INPUT, "cut.jpg: cannot be read as a texture: ");
 }
@@ -716,7 +690,6 @@ static void check_lookup_fails(const char *name, const char *text) {
     assert_true(rgba[0] == 1 && rgba[1] == 0 && rgba[2] == 1 && rgba[3] == 1);
     assert_fails(context, texture_cache_check(o.cache, context), FATHOM_BAD_INPUT, text);
     assert_non_null(strstr(fathom_context_message(context), t.file));
-    close_textures(&o);
 }
 
 UNIT_TEST(broken_data_is_reported_after_the_lookup) {
@@ -733,8 +706,7 @@ UNIT_TEST(broken_data_is_reported_after_the_lookup) {
 }
 
 UNIT_TEST(wrong_descriptions_are_refused) {
-    fathom_scene *scene;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    fathom_scene *scene = new_scene(context);
     fathom_texture t = texture_of("absent.png", FATHOM_COLOR_SRGB);
     assert_fails(context, fathom_scene_add_texture(scene, &t, NULL), FATHOM_BAD_INPUT, "absent.png: ");
     t.file = folder;
@@ -759,14 +731,12 @@ UNIT_TEST(wrong_descriptions_are_refused) {
     assert_fails(context, fathom_scene_add_texture(scene, &t, NULL), FATHOM_BAD_USAGE, "filter 4");
     t = texture_of("a.ppm", FATHOM_COLOR_SRGB), t.size = 0;
     assert_fails(context, fathom_scene_add_texture(scene, &t, NULL), FATHOM_BAD_USAGE, "its size is 0 bytes");
-    fathom_scene_destroy(scene);
 }
 
 UNIT_TEST(equal_textures_get_one_id) {
     put_format("a.ppm");
-    fathom_scene *scene;
+    fathom_scene *scene = new_scene(context);
     fathom_id ids[4];
-    assert_ok(context, fathom_scene_create(context, &scene));
     fathom_texture t = texture_of("a.ppm", FATHOM_COLOR_SRGB);
     assert_ok(context, fathom_scene_add_texture(scene, &t, &ids[0]));
     t.name = "another name";
@@ -776,7 +746,6 @@ UNIT_TEST(equal_textures_get_one_id) {
     t.color_space = FATHOM_COLOR_LINEAR;
     assert_ok(context, fathom_scene_add_texture(scene, &t, &ids[3]));
     assert_true(ids[0] == 0 && ids[1] == 0 && ids[2] == 1 && ids[3] == 2);
-    fathom_scene_destroy(scene);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

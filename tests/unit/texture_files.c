@@ -68,16 +68,14 @@ static const char *numbered(unsigned i) {
 /* Side 128: level 0 fills one chunk of the store, and all others another. */
 UNIT_TEST(more_files_than_stay_open_keep_their_texels) {
     enum { FILES = CACHE_OPEN + 3 };
-    fathom_scene *scene;
-    opened o;
-    assert_ok(context, fathom_scene_create(context, &scene));
+    opened o = {.scene = new_scene(context)};
     for (unsigned i = 0; i < FILES; ++i) {
         put_levels(numbered(i), 128, (float)i + 0.25f, (float)i + 0.75f);
         const fathom_texture t = texture_of(numbered(i), FATHOM_COLOR_LINEAR);
-        assert_ok(context, fathom_scene_add_texture(scene, &t, NULL));
+        assert_ok(context, fathom_scene_add_texture(o.scene, &t, NULL));
     }
-    o.scene = scene;
-    assert_ok(context, texture_cache_open(context, scene, ALL, &o.cache));
+    assert_ok(context, texture_cache_open(context, o.scene, ALL, &o.cache));
+    own_cache(o.cache);
     for (unsigned pass = 0; pass < 2; ++pass) {
         unsigned open = 0;
         for (unsigned i = 0; i < FILES; ++i) {
@@ -90,7 +88,6 @@ UNIT_TEST(more_files_than_stay_open_keep_their_texels) {
         assert_int_equal(open, CACHE_OPEN);
     }
     assert_ok(context, texture_cache_check(o.cache, context));
-    close_textures(&o);
 }
 
 static void check_lookup_fails(texture_cache *cache, const char *text) {
@@ -115,7 +112,6 @@ UNIT_TEST(a_number_that_is_not_finite_is_told_with_its_level) {
     opened o = open_textures(&t, 1, ALL);
     check_lookup_fails(o.cache, "texel (5, 3) of mip level 1, counted from the top left, is not finite in "
                                 "channel Y; expected numbers");
-    close_textures(&o);
 }
 
 UNIT_TEST(files_that_change_their_size_are_told) {
@@ -134,7 +130,6 @@ UNIT_TEST(files_that_change_their_size_are_told) {
             else
                 put_ppm(name, changed ? 4 : 5, changed ? 5 : 4, rgb);
             check_lookup_fails(o.cache, "was changed while it was in use");
-            close_textures(&o);
         }
     }
 }
@@ -142,8 +137,7 @@ UNIT_TEST(files_that_change_their_size_are_told) {
 /* More than 4 MiB of rows, so they come in two bands. */
 UNIT_TEST(large_images_keep_every_row) {
     enum { WIDTH = 1500, HEIGHT = 1000 };
-    unsigned char *rgb = malloc(WIDTH * HEIGHT * 3 + 32);
-    assert_non_null(rgb);
+    unsigned char *rgb = unit_memory(WIDTH * HEIGHT * 3 + 32);
     const int header = snprintf((char *)rgb, 32, "P6\n%d %d\n255\n", WIDTH, HEIGHT);
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
         unsigned char *texel = rgb + header + 3 * (size_t)i;
@@ -151,7 +145,6 @@ UNIT_TEST(large_images_keep_every_row) {
         texel[2] = (unsigned char)(i >> 16);
     }
     unit_write_file(in_folder("a.ppm"), rgb, (size_t)header + WIDTH * HEIGHT * 3);
-    free(rgb);
     fathom_texture t = texture_of("a.ppm", FATHOM_COLOR_LINEAR);
     t.filter = FATHOM_TEXTURE_NEAREST;
     opened o = open_textures(&t, 1, ALL);
@@ -162,7 +155,6 @@ UNIT_TEST(large_images_keep_every_row) {
         const unsigned expected[3] = {x & 255, y & 255, (y * WIDTH + x) >> 16};
         for (int c = 0; c < 3; ++c) assert_near(rgba[c], expected[c] / 255.0, 1e-7);
     }
-    close_textures(&o);
 }
 
 /* Every eighth code of 16 bits, by the sRGB curve and linear. */
@@ -184,7 +176,6 @@ UNIT_TEST(written_textures_keep_sixteen_bits) {
             if (memcmp(expected, rgba, sizeof rgba) != 0)
                 fail_msg("code %u becomes %.9g, was %.9g", grey[i], (double)rgba[0], (double)expected[0]);
         }
-        close_textures(&o);
     }
 }
 
@@ -202,7 +193,6 @@ UNIT_TEST(written_textures_keep_every_bit_of_floats) {
         texel(o.cache, 0, 0, i, 0, rgba);
         for (unsigned c = 0; c < 3; ++c) assert_true(rgba[c] == planes[4 * c + i]);
     }
-    close_textures(&o);
 }
 
 /* ---- alpha ---- */
@@ -220,7 +210,6 @@ UNIT_TEST(premultiplied_colors_are_divided_by_alpha) {
     assert_true(rgba[0] == 0.5f && rgba[1] == 0.25f && rgba[2] == 0 && rgba[3] == 0.5f);
     texel(o.cache, 0, 0, 1, 0, rgba);
     assert_true(rgba[0] == 0 && rgba[3] == 0);
-    close_textures(&o);
 }
 
 /* An image of 4 x 2 texels whose display window is made another one than that of its data: texels outside of
@@ -251,7 +240,6 @@ UNIT_TEST(a_texture_is_the_display_window_of_an_exr_file) {
             for (int c = 0; c < 4; ++c) assert_true(rgba[c] == (inside ? planes[8 * c + 4 * y + x] : 0));
         }
         assert_ok(context, texture_cache_check(o.cache, context));
-        close_textures(&o);
     }
 }
 
@@ -272,7 +260,6 @@ static void check_codes(const char *name, const unsigned (*codes)[4], unsigned t
             }
         }
     }
-    close_textures(&o);
 }
 
 /* maketx writes such files. Integers stay integers, so that they are decoded as sRGB; a colour above alpha
@@ -349,7 +336,6 @@ UNIT_TEST(ktx2_may_have_its_lowest_row_first) {
         texel(o.cache, 0, 0, 0, y, rgba);
         assert_true(rgba[0] == (float)((10 + 10 * y) / 255.0));
     }
-    close_textures(&o);
 }
 
 /* The first texel of the file is 100, of sRGB or linear, and reading warns of `told` alone; NULL: of nothing.
@@ -363,7 +349,6 @@ static void assert_encoding(const char *file, fathom_color_space space, bool is_
     assert_true(rgba[0] == (float)(is_srgb ? srgb(100 / 255.0) : 100 / 255.0));
     assert_int_equal(warning_count, told != NULL);
     if (told) expect_warning(told);
-    close_textures(&o);
 }
 
 /* Another colour space in the scene is followed, with a warning. */
@@ -439,7 +424,6 @@ UNIT_TEST(pngs_of_gamma_1_are_linear_unless_the_scene_says_otherwise) {
         const double expected = i == 1 ? srgb(100 / 255.0) : 100 / 255.0;
         assert_true(rgba[0] == (float)expected);
     }
-    close_textures(&o);
 }
 
 /* Radiance's +Y: the first row is the lowest one. */
@@ -454,7 +438,6 @@ UNIT_TEST(radiance_files_may_have_their_lowest_row_first) {
     texel(o.cache, 0, 0, 0, 0, upper);
     texel(o.cache, 0, 0, 0, 1, lower);
     assert_true(upper[0] == 2 * lower[0] && lower[0] > 0);
-    close_textures(&o);
     assert_ok(context, image_read(context, in_folder("a.hdr"), &img));
     assert_memory_equal(img->channels[0].data, upper, sizeof(float));
     image_release(img);

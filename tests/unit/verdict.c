@@ -97,7 +97,7 @@ UNIT_TEST(test_slit) {
     static const uint32_t indices[12] = {0, 1, 4, 1, 5, 4, 2, 3, 6, 3, 7, 6};
     court c;
     court_open(&c);
-    positions = stage_memory(24 * sizeof *positions);
+    positions = unit_memory(24 * sizeof *positions);
     for (int k = 0; k < 8; ++k) positions[3 * k] = x[k % 4], positions[3 * k + 1] = k < 4 ? -1 : 1;
     fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = 8, mesh.indices = indices, mesh.triangle_count = 4;

@@ -16,8 +16,8 @@ typedef struct body {
 static void add_body(stage *s, const body *b) {
     static const float corner[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, 1}};
     static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-    float *p = stage_memory(sizeof(float) * 36);
-    uint32_t *t = stage_memory(sizeof(uint32_t) * 12);
+    float *p = unit_memory(sizeof(float) * 36);
+    uint32_t *t = unit_memory(sizeof(uint32_t) * 12);
     uint32_t count = b->count ? b->count : 4u - b->drop;
     for (uint32_t k = 0; k < 3 * count; ++k) {
         uint32_t face = b->first + k / 3, at = face == 3 && b->flip ? 2 - k % 3 : k % 3;
@@ -244,8 +244,8 @@ static void add_joined(stage *s, fathom_id group, const stage *parts, bool flip,
         triangles += parts->scene->meshes.items[k].triangle_count;
     }
     if (split) vertices = 3 * triangles;
-    float *p = stage_memory(vertices * 3 * sizeof *p);
-    uint32_t *index = stage_memory(triangles * 3 * sizeof *index), *t = index, base = 0;
+    float *p = unit_memory(vertices * 3 * sizeof *p);
+    uint32_t *index = unit_memory(triangles * 3 * sizeof *index), *t = index, base = 0;
     for (size_t k = 0; k < parts->scene->meshes.count; ++k) {
         const fathom_mesh *m = &parts->scene->meshes.items[k];
         bool turned = flip && k % 2;
