@@ -19,7 +19,7 @@ static inline void remove_path(void *path) {
 /* The path of a file in it; valid until the eighth call after. The file ends with the test, and a library of
  * materials with its .obj file. */
 static inline const char *in_folder(const char *name) {
-    static char paths[8][256];
+    static char paths[8][512];
     static unsigned next;
     char *path = paths[next++ % 8];
     snprintf(path, sizeof paths[0], "%s/%s", folder, name);

@@ -65,10 +65,8 @@ phase=render
 
     # An image that cannot be written leaves it where it is.
     [ -n "$SANITIZE" ] || {
-        code=0
-        FAULT_CALL=rename FAULT_FILE=b.exr FAULT_ERROR=28 FAULT_AFTER=0 LD_PRELOAD=$BUILD/tests/faults/disk.so \
-            "$FATHOM" render $long -o b.exr --checkpoint c --resume >out.txt 2>err.txt || code=$?
-        [ $code -eq 4 ] || die "an image that cannot be written: exit code $code, expected 4"
+        expect 4 env FAULT_CALL=rename FAULT_FILE=b.exr FAULT_ERROR=28 FAULT_AFTER=0 "LD_PRELOAD=$BUILD/tests/faults/disk.so" \
+            "$FATHOM" render $long -o b.exr --checkpoint c --resume
         said err.txt 'fathom: c: is kept; --resume continues from what was saved last'
         same whole.exr b.rescue.exr
         rm b.rescue.exr

@@ -7,10 +7,8 @@ write_scene
 fault() {
     call=$1 file=$2 error=$3 after=$4
     shift 4
-    code=0
-    FAULT_CALL=$call FAULT_FILE=$file FAULT_ERROR=$error FAULT_AFTER=$after LD_PRELOAD=$BUILD/tests/faults/disk.so \
-        "$FATHOM" "$@" >out.txt 2>err.txt || code=$?
-    [ $code -eq 4 ] || die "$call of $file fails with $error: exit code $code, expected 4"
+    expect 4 env FAULT_CALL=$call FAULT_FILE=$file FAULT_ERROR=$error FAULT_AFTER=$after "LD_PRELOAD=$BUILD/tests/faults/disk.so" \
+        "$FATHOM" "$@"
 }
 # rescued FILE: the pixels are in there, and nothing else came.
 rescued() {
@@ -158,9 +156,6 @@ ls -A | grep tmp && die 'a temporary file was left behind'
 
 # A module that is none is found out while the render runs, not at its end.
 echo 'no library' >module.so
-code=0
-FATHOM_IMAGE_MODULE=$PWD/module.so "$FATHOM" render scene.json -o e.tif --size 2000x2000 --tracer linear:f64 --spp 1024 \
-    >out.txt 2>err.txt || code=$?
-[ $code -eq 4 ] || die "no module: exit code $code, expected 4"
+expect 4 env "FATHOM_IMAGE_MODULE=$PWD/module.so" "$FATHOM" render scene.json -o e.tif --size 2000x2000 --tracer linear:f64 --spp 1024
 said err.txt 'fathom: e.tif: image helper: '
 [ ! -e e.tif ] || die 'no module: there is an image'

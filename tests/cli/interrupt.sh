@@ -11,9 +11,7 @@ long='heavy.glb -o i.exr --spp 65536 --threads 1'
 interrupt() {
     after=$1
     shift
-    code=0
-    timeout --foreground --preserve-status -s INT "$after" "$FATHOM" "$@" >out.txt 2>err.txt || code=$?
-    [ $code -eq 5 ] || die "SIGINT: exit code $code, expected 5"
+    expect 5 timeout --foreground --preserve-status -s INT "$after" "$FATHOM" "$@"
 }
 
 # Ctrl-C; the end of a job; a terminal that is closed, which both the shell and the system report; processor time that is up, which
@@ -48,9 +46,7 @@ refused 2 'i.partial.png: an interrupted render writes i.png there' render heavy
 ls -A | grep tmp && die 'a temporary file was left behind'
 
 # timeout without --foreground sends the signal to the process and to its group: twice at once is once.
-code=0
-timeout --preserve-status -s INT 1 "$FATHOM" render $long >out.txt 2>err.txt || code=$?
-[ $code -eq 5 ] || die "two signals at once: exit code $code, expected 5"
+expect 5 timeout --preserve-status -s INT 1 "$FATHOM" render $long
 
 # While it reads there is nothing to save: no output, no file left, code 5.
 run 0 generate terrain -t 500k -o large.obj

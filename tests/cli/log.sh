@@ -15,9 +15,7 @@ fails() { # code, text, arguments
     wanted=$1
     text=$2
     shift 2
-    code=0
-    "$FATHOM" "$@" >out.txt 2>err.txt || code=$?
-    [ $code -eq "$wanted" ] || die "fathom $*: exit code $code, expected $wanted"
+    expect "$wanted" "$FATHOM" "$@"
     lines_are_objects
     said err.txt "$text"
 }

@@ -15,9 +15,7 @@ export ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0
 ranks() {
     wanted=$1 count=$2
     shift 2
-    code=0
-    mpirun --oversubscribe -n "$count" "$FATHOM" "$@" --mpi --threads 1 >out.txt 2>err.txt || code=$?
-    [ $code -eq "$wanted" ] || die "$count ranks of fathom $*: exit code $code, expected $wanted"
+    expect "$wanted" mpirun --oversubscribe -n "$count" "$FATHOM" "$@" --mpi --threads 1
 }
 
 refused 2 "--mpi: one process renders a part" render scene.json -o a.part --part 1/2 --mpi

@@ -9,10 +9,8 @@ ls -A >before.txt
 lose() { # WAY CODE WORDS OPTIONS…
     way=$1 expected=$2 words=$3
     shift 3
-    code=0
-    FAULT_LOST=$way FATHOM_IMAGE_SECONDS=2 FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so \
-        "$FATHOM" render scene.json -o a.tif "$@" >out.txt 2>err.txt || code=$?
-    [ $code -eq "$expected" ] || die "a library that ends by $way: exit code $code, expected $expected"
+    expect "$expected" env FAULT_LOST=$way FATHOM_IMAGE_SECONDS=2 "FATHOM_IMAGE_MODULE=$BUILD/tests/faults/lost.so" \
+        "$FATHOM" render scene.json -o a.tif "$@"
     said err.txt "$words"
 }
 for way in exit abort fault; do

@@ -26,10 +26,8 @@ refused 2 'cannot be split: the clock decides' render scene.json -o a.part --par
 # The parts of a Slurm array, from 0, from 1, or in steps.
 # task ID COUNT MIN STEP PART/COUNT
 task() {
-    code=0
-    SLURM_ARRAY_TASK_ID=$1 SLURM_ARRAY_TASK_COUNT=$2 SLURM_ARRAY_TASK_MIN=$3 SLURM_ARRAY_TASK_STEP=$4 \
-        "$FATHOM" render scene.json -o a.part --stats a.json -q >out.txt 2>err.txt || code=$?
-    [ $code -eq 0 ] || die "task $1 of $2: exit code $code"
+    expect 0 env SLURM_ARRAY_TASK_ID=$1 SLURM_ARRAY_TASK_COUNT=$2 SLURM_ARRAY_TASK_MIN=$3 SLURM_ARRAY_TASK_STEP=$4 \
+        "$FATHOM" render scene.json -o a.part --stats a.json -q
     [ "$(number a.json index)/$(number a.json count)" = "$5" ] || die "task $1 of $2 is not part $5"
     rm a.part a.json
 }
@@ -92,10 +90,8 @@ FATHOM_ISA=sse2 "$FATHOM" render $scene -o p2.part --part 2/3 -q >out.txt 2>err.
 # A disk that is full: what went before is kept.
 [ -n "$SANITIZE" ] || {
     rm p2.part
-    code=0
-    FAULT_CALL=write FAULT_FILE=p2.part FAULT_ERROR=28 FAULT_AFTER=$(($(wc -c <kept) / 2)) LD_PRELOAD=$BUILD/tests/faults/disk.so \
-        "$FATHOM" render $scene -o p2.part --part 2/3 --threads 1 >out.txt 2>err.txt || code=$?
-    [ $code -eq 4 ] || die "a full disk: exit code $code, expected 4"
+    expect 4 env FAULT_CALL=write FAULT_FILE=p2.part FAULT_ERROR=28 FAULT_AFTER=$(($(wc -c <kept) / 2)) "LD_PRELOAD=$BUILD/tests/faults/disk.so" \
+        "$FATHOM" render $scene -o p2.part --part 2/3 --threads 1
     said err.txt 'p2.part: cannot be written: No space left on device; what was finished before is kept'
     run 0 render $scene -o p2.part --part 2/3
     run 0 merge p*.part -o merged.exr --exr-float

@@ -10,6 +10,7 @@
 
 #include "random.h"
 #include "render.h"
+#include "unit_folder.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,12 +19,10 @@
 
 /* ---- a scene with all that a pixel may depend on, and renders of it ---- */
 
-typedef struct place {
-    stage s;
-    char folder[32], path[64];
-    fathom_checkpoint saving;
-    int ticks; /* of progress while rendering, after which it stops */
-} place;
+static stage st;
+static char path[256];
+static fathom_checkpoint saving;
+static int ticks; /* of progress while rendering, after which it stops */
 
 static void fill_scene(stage *s, float k_d, float light) {
     static const double eye[3] = {0, 1, 4}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0}, center[3] = {0, -1, 0},
@@ -38,58 +37,47 @@ static void fill_scene(stage *s, float k_d, float light) {
 }
 
 static int set_up(void **state) {
-    place *p = calloc(1, sizeof *p);
-    *state = p;
-    strcpy(p->folder, "/tmp/fathom-test-XXXXXX");
-    if (!mkdtemp(p->folder)) return -1;
-    snprintf(p->path, sizeof p->path, "%s/c", p->folder);
-    p->s = stage_open(106, 70);
-    p->s.settings.crop[0] = 3, p->s.settings.crop[1] = 5, p->s.settings.crop[2] = 102,
-    p->s.settings.crop[3] = 69;
-    p->s.settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO |
-                         FATHOM_AOV_ID | FATHOM_AOV_SAMPLES;
-    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
-    fill_scene(&p->s, 0.5f, 20);
-    fathom_checkpoint_default(&p->saving);
-    p->saving.path = p->path;
+    (void)state;
+    snprintf(path, sizeof path, "%s", in_folder("c"));
+    ticks = 0;
+    st = stage_open(106, 70);
+    st.settings.crop[0] = 3, st.settings.crop[1] = 5, st.settings.crop[2] = 102, st.settings.crop[3] = 69;
+    st.settings.aovs = FATHOM_AOV_ALPHA | FATHOM_AOV_Z | FATHOM_AOV_N | FATHOM_AOV_P | FATHOM_AOV_ALBEDO |
+                       FATHOM_AOV_ID | FATHOM_AOV_SAMPLES;
+    st.settings.pattern = FATHOM_PATTERN_SOBOL;
+    fill_scene(&st, 0.5f, 20);
+    fathom_checkpoint_default(&saving);
+    saving.path = path;
     return 0;
 }
 
-static int tear_down(void **state) {
-    place *p = *state;
-    unlink(p->path);
-    rmdir(p->folder);
-    free(p);
-    return 0;
-}
-
-static bool is_there(const place *p) { return access(p->path, F_OK) == 0; }
+static bool is_there(void) { return access(path, F_OK) == 0; }
 
 static bool stop_after(void *user, const fathom_progress *now) {
-    place *p = user;
-    return now->phase != FATHOM_PHASE_RENDER || p->ticks-- > 0;
+    (void)user;
+    return now->phase != FATHOM_PHASE_RENDER || ticks-- > 0;
 }
 
-static fathom_status render(place *p, unsigned threads, fathom_stats *stats, fathom_film **out) {
-    fathom_context_set_threads(p->s.context, threads);
+static fathom_status render(unsigned threads, fathom_stats *stats, fathom_film **out) {
+    fathom_context_set_threads(st.context, threads);
     fathom_session_options options = default_session_options();
-    options.checkpoint = &p->saving, options.progress = stop_after, options.user = p;
-    return fathom_session_run(p->s.context, p->s.scene, &p->s.settings, &options, stats, out);
+    options.checkpoint = &saving, options.progress = stop_after;
+    return fathom_session_run(st.context, st.scene, &st.settings, &options, stats, out);
 }
 
 /* Stopped again and again, each time on another number of threads. Returns how often. */
-static int render_in_parts(place *p, fathom_film **out) {
+static int render_in_parts(fathom_film **out) {
     fathom_stats stats = {.size = sizeof stats};
     for (int part = 0;; ++part) {
-        p->ticks = part;
-        fathom_status status = render(p, 1 + (unsigned)part % 3, &stats, out);
+        ticks = part;
+        fathom_status status = render(1 + (unsigned)part % 3, &stats, out);
         if (part) assert_true(stats.resumed_seconds > 0);
         if (status == FATHOM_OK) return part;
         assert_int_equal(status, FATHOM_INTERRUPTED);
-        assert_true(is_there(p));
+        assert_true(is_there());
         assert_true(stats.checkpoints >= 1);
         fathom_film_destroy(*out);
-        p->saving.resume = true;
+        saving.resume = true;
     }
 }
 
@@ -109,21 +97,21 @@ static void assert_same_film(const fathom_film *a, const fathom_film *b) {
 #define ENDLESS_SPP 65536u
 
 /* True when the render was stopped often enough; if it ended before, another try gets more samples. */
-static bool try_parts(place *p, fathom_film **whole, fathom_film **parts) {
-    const bool resume = p->saving.resume;
-    *whole = stage_render(&p->s);
-    if (render_in_parts(p, parts) >= LEAST_STOPS) return true;
+static bool try_parts(fathom_film **whole, fathom_film **parts) {
+    const bool resume = saving.resume;
+    *whole = stage_render(&st);
+    if (render_in_parts(parts) >= LEAST_STOPS) return true;
     fathom_film_destroy(*parts);
-    unlink(p->path);
-    p->saving.resume = resume;
-    p->s.settings.spp *= 2;
+    unlink(path);
+    saving.resume = resume;
+    st.settings.spp *= 2;
     return false;
 }
 
-static fathom_film *assert_parts_make_the_whole(place *p) {
+static fathom_film *assert_parts_make_the_whole(void) {
     fathom_film *whole, *parts;
-    p->s.settings.spp = FIRST_SPP;
-    while (!try_parts(p, &whole, &parts)) assert_true(p->s.settings.spp < ENDLESS_SPP);
+    st.settings.spp = FIRST_SPP;
+    while (!try_parts(&whole, &parts)) assert_true(st.settings.spp < ENDLESS_SPP);
     assert_same_film(whole, parts);
     assert_int_equal(parts->stats.samples, whole->stats.samples);
     assert_true(parts->stats.error_estimate == whole->stats.error_estimate);
@@ -131,41 +119,38 @@ static fathom_film *assert_parts_make_the_whole(place *p) {
     return whole;
 }
 
-UNIT_TEST(even_samples_continue) { assert_parts_make_the_whole(*state); }
+UNIT_TEST(even_samples_continue) { assert_parts_make_the_whole(); }
 
 UNIT_TEST(samples_to_an_error_continue) {
-    place *p = *state;
-    p->s.settings.target_error = 1e-4;
-    p->saving.every = 0; /* every pass is kept */
-    assert_parts_make_the_whole(p);
+    st.settings.target_error = 1e-4;
+    saving.every = 0; /* every pass is kept */
+    assert_parts_make_the_whole();
 }
 
 /* With time for all samples the clock decides nothing. Even samples are of the same groups if errors are
  * asked for. */
 UNIT_TEST(samples_to_a_time_continue) {
-    place *p = *state;
-    p->s.settings.integrator = FATHOM_INTEGRATOR_PATH;
-    p->s.settings.max_time = 1e6, p->s.settings.aovs = FATHOM_AOV_ERROR;
-    fathom_film *timed = assert_parts_make_the_whole(p);
-    p->s.settings.max_time = 0;
-    fathom_film *untimed = stage_render(&p->s);
+    st.settings.integrator = FATHOM_INTEGRATOR_PATH;
+    st.settings.max_time = 1e6, st.settings.aovs = FATHOM_AOV_ERROR;
+    fathom_film *timed = assert_parts_make_the_whole();
+    st.settings.max_time = 0;
+    fathom_film *untimed = stage_render(&st);
     assert_same_film(timed, untimed);
 }
 
 /* What was spent counts: a time that is over leaves what was sampled. */
 UNIT_TEST(spent_time_counts) {
-    place *p = *state;
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
-    p->s.settings.spp = ENDLESS_SPP;
-    p->s.settings.max_time = 1000;
-    p->ticks = 8;
-    assert_int_equal(render(p, 2, &stats, &film), FATHOM_INTERRUPTED);
+    st.settings.spp = ENDLESS_SPP;
+    st.settings.max_time = 1000;
+    ticks = 8;
+    assert_int_equal(render(2, &stats, &film), FATHOM_INTERRUPTED);
     fathom_film_destroy(film);
-    p->s.settings.max_time = 1e-6;
-    p->saving.resume = true;
-    p->ticks = 1000;
-    assert_ok(p->s.context, render(p, 2, &stats, &film));
+    st.settings.max_time = 1e-6;
+    saving.resume = true;
+    ticks = 1000;
+    assert_ok(st.context, render(2, &stats, &film));
     assert_true(stats.samples > 0);
     fathom_film_destroy(film);
 }
@@ -183,15 +168,14 @@ static void count_saves(void *user, fathom_status status, const char *message, d
 }
 
 UNIT_TEST(program_asks_for_saves) {
-    place *p = *state;
     int saves = 0;
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
-    p->s.settings.spp = ENDLESS_SPP;
-    p->saving.every = 1e6;
-    p->saving.wanted = want_always, p->saving.saved = count_saves, p->saving.user = &saves;
-    p->ticks = 3;
-    assert_int_equal(render(p, 1, &stats, &film), FATHOM_INTERRUPTED);
+    st.settings.spp = ENDLESS_SPP;
+    saving.every = 1e6;
+    saving.wanted = want_always, saving.saved = count_saves, saving.user = &saves;
+    ticks = 3;
+    assert_int_equal(render(1, &stats, &film), FATHOM_INTERRUPTED);
     assert_true(saves >= 1);
     assert_int_equal(stats.checkpoints, saves);
     assert_true(stats.checkpoint_seconds > 0);
@@ -201,19 +185,18 @@ UNIT_TEST(program_asks_for_saves) {
 /* ---- files ---- */
 
 UNIT_TEST(file_without_resume_is_kept) {
-    place *p = *state;
     fathom_film *film;
-    FILE *file = fopen(p->path, "w");
+    FILE *file = fopen(path, "w");
     fputs("hours", file);
     fclose(file);
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_USAGE);
+    assert_int_equal(render(1, NULL, &film), FATHOM_BAD_USAGE);
     assert_null(film);
     struct stat info;
-    assert_int_equal(stat(p->path, &info), 0);
+    assert_int_equal(stat(path, &info), 0);
     assert_int_equal(info.st_size, 5);
-    p->saving.resume = true;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_INPUT);
-    assert_non_null(strstr(fathom_context_message(p->s.context), "is not a checkpoint"));
+    saving.resume = true;
+    assert_int_equal(render(1, NULL, &film), FATHOM_BAD_INPUT);
+    assert_non_null(strstr(fathom_context_message(st.context), "is not a checkpoint"));
 }
 
 static void count_warnings(void *user, const char *message) {
@@ -221,68 +204,65 @@ static void count_warnings(void *user, const char *message) {
 }
 
 UNIT_TEST(nothing_to_resume_begins) {
-    place *p = *state;
     int warnings = 0;
-    fathom_film *film, *whole = stage_render(&p->s);
-    fathom_context_on_warning(p->s.context, count_warnings, &warnings);
-    p->saving.resume = true;
-    p->ticks = 1000;
-    assert_ok(p->s.context, render(p, 1, NULL, &film));
+    fathom_film *film, *whole = stage_render(&st);
+    fathom_context_on_warning(st.context, count_warnings, &warnings);
+    saving.resume = true;
+    ticks = 1000;
+    assert_ok(st.context, render(1, NULL, &film));
     assert_int_equal(warnings, 1);
     assert_same_film(whole, film);
     fathom_film_destroy(film);
 }
 
 UNIT_TEST(bad_requests_are_refused) {
-    place *p = *state;
     fathom_film *film;
     fathom_stats stats = {.size = sizeof stats};
     fathom_checkpoint_default(NULL);
-    p->saving.path = NULL;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_USAGE);
-    p->saving.path = p->path;
-    p->saving.every = -1;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_USAGE);
-    p->saving.every = (double)NAN;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_USAGE);
-    p->saving.every = 1;
-    p->saving.path = "/no/such/folder/c";
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_OUT_OF_RESOURCES);
-    p->saving.path = p->folder;
-    p->saving.resume = true;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_OUT_OF_RESOURCES);
+    saving.path = NULL;
+    assert_int_equal(render(1, NULL, &film), FATHOM_BAD_USAGE);
+    saving.path = path;
+    saving.every = -1;
+    assert_int_equal(render(1, NULL, &film), FATHOM_BAD_USAGE);
+    saving.every = (double)NAN;
+    assert_int_equal(render(1, NULL, &film), FATHOM_BAD_USAGE);
+    saving.every = 1;
+    saving.path = "/no/such/folder/c";
+    assert_int_equal(render(1, NULL, &film), FATHOM_OUT_OF_RESOURCES);
+    saving.path = folder;
+    saving.resume = true;
+    assert_int_equal(render(1, NULL, &film), FATHOM_OUT_OF_RESOURCES);
 }
 
 /* ---- another render ---- */
 
-static void make_checkpoint(place *p) {
+static void make_checkpoint(void) {
     fathom_film *film;
-    p->s.settings.spp = ENDLESS_SPP;
-    p->ticks = 0;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_INTERRUPTED);
+    st.settings.spp = ENDLESS_SPP;
+    ticks = 0;
+    assert_int_equal(render(1, NULL, &film), FATHOM_INTERRUPTED);
     fathom_film_destroy(film);
-    p->saving.resume = true;
+    saving.resume = true;
 }
 
-static void assert_refused(place *p, const char *saved, const char *now) {
+static void assert_refused(const char *saved, const char *now) {
     fathom_film *film;
-    assert_int_equal(render(p, 1, NULL, &film), FATHOM_BAD_INPUT);
-    const char *message = fathom_context_message(p->s.context);
+    assert_int_equal(render(1, NULL, &film), FATHOM_BAD_INPUT);
+    const char *message = fathom_context_message(st.context);
     if (!strstr(message, saved) || !strstr(message, now)) fail_msg("%s", message);
     assert_null(film);
 }
 
 #define REFUSED(field, value, saved, now)                                                                    \
     do {                                                                                                     \
-        const fathom_settings before = p->s.settings;                                                        \
-        p->s.settings.field = (value);                                                                       \
-        assert_refused(p, "saved with " saved ",", "has " now ";");                                          \
-        p->s.settings = before;                                                                              \
+        const fathom_settings before = st.settings;                                                          \
+        st.settings.field = (value);                                                                         \
+        assert_refused("saved with " saved ",", "has " now ";");                                             \
+        st.settings = before;                                                                                \
     } while (0)
 
 UNIT_TEST(other_settings_are_refused) {
-    place *p = *state;
-    make_checkpoint(p);
+    make_checkpoint();
     REFUSED(width, 107, "width 106", "107");
     REFUSED(height, 71, "height 70", "71");
     REFUSED(crop[0], 4, "--crop 3,5,102,69", "4,5,102,69");
@@ -301,8 +281,8 @@ UNIT_TEST(other_settings_are_refused) {
     REFUSED(epsilon, 0.5, "--epsilon auto", "0.5");
     REFUSED(terminator_fix, false, "terminator fix true", "false");
     REFUSED(aovs, 0x1f, "aovs alpha,Z,N,P,albedo,id,samples", "alpha,Z,N,P,albedo");
-    p->s.settings.tracer = "bvh";
-    assert_refused(p, "the tracer Embree", "reference BVH");
+    st.settings.tracer = "bvh";
+    assert_refused("the tracer Embree", "reference BVH");
 }
 
 UNIT_TEST(the_key_has_every_setting_that_pixels_depend_on) {
@@ -322,21 +302,19 @@ UNIT_TEST(the_key_has_every_setting_that_pixels_depend_on) {
 }
 
 UNIT_TEST(what_no_pixel_depends_on_is_free) {
-    place *p = *state;
     fathom_film *film;
-    make_checkpoint(p);
-    p->s.settings.tile_size = 64, p->s.settings.block_width = 4;
-    p->ticks = 0;
-    assert_int_equal(render(p, 3, NULL, &film), FATHOM_INTERRUPTED);
+    make_checkpoint();
+    st.settings.tile_size = 64, st.settings.block_width = 4;
+    ticks = 0;
+    assert_int_equal(render(3, NULL, &film), FATHOM_INTERRUPTED);
     fathom_film_destroy(film);
 }
 
 UNIT_TEST(other_scene_is_refused) {
-    place *p = *state;
-    make_checkpoint(p);
-    p->s.scene = new_scene(p->s.context);
-    fill_scene(&p->s, 0.5000001f, 20);
-    assert_refused(p, "a scene of contents", "has 0x");
+    make_checkpoint();
+    st.scene = new_scene(st.context);
+    fill_scene(&st, 0.5000001f, 20);
+    assert_refused("a scene of contents", "has 0x");
 }
 
 /* ---- scenes ---- */
@@ -366,8 +344,7 @@ static uint64_t fingerprint_of_mesh(size_t stride, float z, float between, uint3
 }
 
 UNIT_TEST(fingerprint_is_of_contents) {
-    place *p = *state;
-    stage *s = &p->s;
+    stage *s = &st;
     fathom_context_set_threads(s->context, 1);
     uint64_t before = fingerprint(s);
     fathom_context_set_threads(s->context, 4);
@@ -431,8 +408,8 @@ typedef struct file {
 } file;
 
 /* A small checkpoint with finished squares and a record. */
-static void make_file(place *p, file *f) {
-    stage *s = &p->s;
+static void make_file(file *f) {
+    stage *s = &st;
     s->settings.width = 36, s->settings.height = 10;
     memset(s->settings.crop, 0, sizeof s->settings.crop);
     s->settings.target_error = 0.1, s->settings.spp = 64;
@@ -456,12 +433,12 @@ static void make_file(place *p, file *f) {
     room.rays = 5, room.seconds = 1.5;
     pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
     atomic_bool give_up = false;
-    assert_ok(s->context, checkpoint_write_file(s->context, &room, p->path, &f->key, NULL, f->film, &state,
+    assert_ok(s->context, checkpoint_write_file(s->context, &room, path, &f->key, NULL, f->film, &state,
                                                 &lock, &give_up));
     checkpoint_write_destroy(&room);
     checkpoint_state_destroy(&state);
     file_map map;
-    assert_ok(s->context, file_open(s->context, p->path, &map));
+    assert_ok(s->context, file_open(s->context, path, &map));
     f->size = map.size;
     f->bytes = malloc(map.size);
     unit_own(f->bytes, free);
@@ -495,7 +472,7 @@ static void seal(file *f) {
 UNIT_TEST(bytes_come_back) {
     file f;
     checkpoint_state read;
-    make_file(*state, &f);
+    make_file(&f);
     size_t bytes = (size_t)f.film->width * f.film->height * f.film->channel_count * sizeof(float);
     float *pixels = unit_memory(bytes);
     memcpy(pixels, f.film->pixels, bytes);
@@ -520,7 +497,7 @@ UNIT_TEST(bytes_come_back) {
 UNIT_TEST(no_part_is_taken_for_the_whole) {
     SKIP_WITH_THREAD_SANITIZER();
     file f;
-    make_file(*state, &f);
+    make_file(&f);
     for (size_t size = 0; size < f.size; size += size < 1000 || f.size - size < 1000 ? 1 : 97)
         assert_int_equal(read_bytes(&f, f.bytes, size), FATHOM_BAD_INPUT);
     unsigned char *longer = unit_memory(f.size + 9);
@@ -533,7 +510,7 @@ UNIT_TEST(no_flipped_bit_goes_unseen) {
     SKIP_WITH_THREAD_SANITIZER();
     file f;
     random_state random = {1};
-    make_file(*state, &f);
+    make_file(&f);
     for (size_t i = 0; i < 4000; ++i) {
         size_t bit = i < 8 * 340 ? i : random_bits(&random) % (8 * f.size); /* the head's, then any */
         f.bytes[bit / 8] ^= (unsigned char)(1 << bit % 8);
@@ -550,7 +527,7 @@ UNIT_TEST(forged_bytes_do_no_harm) {
     SKIP_WITH_THREAD_SANITIZER();
     file f;
     random_state random = {2};
-    make_file(*state, &f);
+    make_file(&f);
     const size_t head = 12 + sizeof(checkpoint_key), after = head + 8 + adaptive_record_bytes(f.parts);
     const struct {
         size_t at;
@@ -595,4 +572,7 @@ UNIT_TEST(forged_bytes_do_no_harm) {
     }
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) {
+    unit_each(set_up, NULL);
+    return unit_main(open_folder, remove_folder);
+}

@@ -2,7 +2,7 @@
  */
 #include "base/file.h"
 
-#include "unit.h"
+#include "unit_folder.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -42,60 +42,45 @@ int __wrap_rename(const char *from, const char *to) {
 
 /* ---- a folder of the test's own ---- */
 
-typedef struct place {
-    fathom_context *context;
-    char folder[64], path[96];
-} place;
+static char place[400];
 
 static int set_up(void **state) {
-    place *p = calloc(1, sizeof *p);
-    strcpy(p->folder, "/tmp/fathom-test-XXXXXX");
-    if (!mkdtemp(p->folder)) return -1;
-    snprintf(p->path, sizeof p->path, "%s/a.bin", p->folder);
+    (void)state;
+    snprintf(place, sizeof place, "%s", in_folder("a.bin"));
     memset(calls, 0, sizeof calls);
     sync_error = 0;
-    *state = p;
-    return fathom_context_create(&p->context) == FATHOM_OK ? 0 : -1;
-}
-
-static char *at(const place *p, const char *name) {
-    static char path[400];
-    snprintf(path, sizeof path, "%s/%s", p->folder, name);
-    return path;
+    return 0;
 }
 
 /* Files in the folder; removes them when asked to. */
-static int count_files(const place *p, bool remove_all) {
-    DIR *folder = opendir(p->folder);
+static int count_files(bool remove_all) {
+    DIR *stream = opendir(folder);
     int count = 0;
-    for (const struct dirent *entry; (entry = readdir(folder));) {
+    for (const struct dirent *entry; (entry = readdir(stream));) {
         if (entry->d_name[0] == '.') continue;
         ++count;
-        if (remove_all) unlink(at(p, entry->d_name));
+        if (remove_all) unlink(in_folder(entry->d_name));
     }
-    closedir(folder);
+    closedir(stream);
     return count;
 }
 
 static int tear_down(void **state) {
-    place *p = *state;
-    count_files(p, true);
-    rmdir(p->folder);
-    fathom_context_destroy(p->context);
-    free(p);
+    (void)state;
+    count_files(true);
     return 0;
 }
 
-static file_writer *begin(const place *p, const char *text) {
+static file_writer *begin(const char *text) {
     file_writer *writer;
-    assert_ok(p->context, file_writer_open(p->context, p->path, &writer));
+    assert_ok(context, file_writer_open(context, place, &writer));
     file_writer_put(writer, text, strlen(text));
     return writer;
 }
 
-static void assert_holds(const place *p, const char *text) {
+static void assert_holds(const char *text) {
     file_map map;
-    assert_ok(p->context, file_open(p->context, p->path, &map));
+    assert_ok(context, file_open(context, place, &map));
     assert_int_equal(map.size, strlen(text));
     assert_memory_equal(map.bytes, text, map.size);
     file_close(&map);
@@ -111,63 +96,57 @@ static void make(const char *path) {
 
 /* Bytes, then the name, then the folder that holds the name. */
 UNIT_TEST(bytes_are_on_the_disk_before_the_name) {
-    place *p = *state;
-    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    assert_ok(context, file_writer_commit(begin("one")));
     assert_string_equal(calls, "frD");
-    assert_holds(p, "one");
-    assert_int_equal(count_files(p, false), 1);
+    assert_holds("one");
+    assert_int_equal(count_files(false), 1);
 }
 
 UNIT_TEST(a_failing_disk_keeps_the_old_file) {
-    place *p = *state;
-    assert_ok(p->context, file_writer_commit(begin(p, "one")));
+    assert_ok(context, file_writer_commit(begin("one")));
     sync_error = EIO;
-    assert_int_equal(file_writer_commit(begin(p, "two")), FATHOM_OUT_OF_RESOURCES);
-    assert_non_null(strstr(fathom_context_message(p->context), "cannot be written"));
-    assert_holds(p, "one");
-    assert_int_equal(count_files(p, false), 1);
+    assert_int_equal(file_writer_commit(begin("two")), FATHOM_OUT_OF_RESOURCES);
+    assert_non_null(strstr(fathom_context_message(context), "cannot be written"));
+    assert_holds("one");
+    assert_int_equal(count_files(false), 1);
 }
 
 UNIT_TEST(file_systems_without_sync_are_accepted) {
-    place *p = *state;
     sync_error = EINVAL;
-    assert_ok(p->context, file_writer_commit(begin(p, "one")));
-    assert_holds(p, "one");
+    assert_ok(context, file_writer_commit(begin("one")));
+    assert_holds("one");
 }
 
 UNIT_TEST(writers_of_one_file_do_not_interfere) {
-    place *p = *state;
-    file_writer *first = begin(p, "first"), *second = begin(p, "second");
+    file_writer *first = begin("first"), *second = begin("second");
     assert_string_not_equal(file_writer_temporary(first), file_writer_temporary(second));
-    assert_ok(p->context, file_writer_commit(first));
-    assert_holds(p, "first");
-    assert_ok(p->context, file_writer_commit(second));
-    assert_holds(p, "second");
-    assert_int_equal(count_files(p, false), 1);
+    assert_ok(context, file_writer_commit(first));
+    assert_holds("first");
+    assert_ok(context, file_writer_commit(second));
+    assert_holds("second");
+    assert_int_equal(count_files(false), 1);
 }
 
 UNIT_TEST(abort_leaves_nothing) {
-    place *p = *state;
-    file_writer_abort(begin(p, "one"));
-    assert_int_equal(count_files(p, false), 0);
+    file_writer_abort(begin("one"));
+    assert_int_equal(count_files(false), 0);
 }
 
 /* As whole as in a file, and nothing is there beside the memory. */
 UNIT_TEST(memory_holds_the_bytes_written) {
-    place *p = *state;
     file_writer *writer;
     unsigned char *bytes;
     size_t size;
-    assert_ok(p->context, file_writer_open_memory(p->context, "name", &writer));
+    assert_ok(context, file_writer_open_memory(context, "name", &writer));
     for (int i = 0; i < 100000; ++i) file_writer_put(writer, "0123456789", 10);
-    assert_ok(p->context, file_writer_take(writer, &bytes, &size));
+    assert_ok(context, file_writer_take(writer, &bytes, &size));
     assert_int_equal(size, 1000000);
     for (size_t i = 0; i < size; ++i) assert_int_equal(bytes[i], '0' + i % 10);
     free(bytes);
-    assert_ok(p->context, file_writer_open_memory(p->context, "name", &writer));
+    assert_ok(context, file_writer_open_memory(context, "name", &writer));
     file_writer_put(writer, "one", 3);
     file_writer_abort(writer);
-    assert_int_equal(count_files(p, false), 0);
+    assert_int_equal(count_files(false), 0);
     assert_string_equal(calls, "");
 }
 
@@ -178,109 +157,102 @@ static mode_t mode_of(const char *path) {
 }
 
 UNIT_TEST(a_new_file_keeps_the_old_rights) {
-    place *p = *state;
     const mode_t before = umask(022);
-    assert_ok(p->context, file_writer_commit(begin(p, "one")));
-    assert_int_equal(mode_of(p->path) & 07777, 0644);
-    assert_int_equal(chmod(p->path, 04600), 0);
-    file_writer *writer = begin(p, "two");
+    assert_ok(context, file_writer_commit(begin("one")));
+    assert_int_equal(mode_of(place) & 07777, 0644);
+    assert_int_equal(chmod(place, 04600), 0);
+    file_writer *writer = begin("two");
     assert_int_equal(mode_of(file_writer_temporary(writer)) & 07777, 0600);
-    assert_ok(p->context, file_writer_commit(writer));
-    assert_int_equal(mode_of(p->path) & 07777, 0600);
+    assert_ok(context, file_writer_commit(writer));
+    assert_int_equal(mode_of(place) & 07777, 0600);
     umask(before);
 }
 
 /* A name that others could foresee: the file that they put there is not written to, nor what leads elsewhere.
  */
 UNIT_TEST(predicted_temporary_names_are_harmless) {
-    place *p = *state;
     char name[64], other[400];
     snprintf(name, sizeof name, "a.fathom-tmp%ld.bin", (long)getpid());
-    snprintf(other, sizeof other, "%s", at(p, "other"));
+    snprintf(other, sizeof other, "%s", in_folder("other"));
     for (int symbolic = 0; symbolic < 2; ++symbolic) {
         FILE *file = fopen(other, "w");
         assert_true(fputs("precious", file) >= 0 && fclose(file) == 0);
-        assert_int_equal(symbolic ? symlink(other, at(p, name)) : link(other, at(p, name)), 0);
-        assert_ok(p->context, file_writer_commit(begin(p, "one")));
-        assert_holds(p, "one");
+        assert_int_equal(symbolic ? symlink(other, in_folder(name)) : link(other, in_folder(name)), 0);
+        assert_ok(context, file_writer_commit(begin("one")));
+        assert_holds("one");
         struct stat info;
         assert_int_equal(stat(other, &info), 0);
         assert_int_equal(info.st_size, strlen("precious"));
-        count_files(p, true);
+        count_files(true);
     }
 }
 
 UNIT_TEST(a_link_is_replaced_and_its_target_stays) {
-    place *p = *state;
     char other[400];
-    snprintf(other, sizeof other, "%s", at(p, "other"));
+    snprintf(other, sizeof other, "%s", in_folder("other"));
     static const char *const targets[] = {"other", "nowhere", "a.bin"}; /* one leads to itself */
     for (size_t i = 0; i < sizeof targets / sizeof *targets; ++i) {
         make(other);
-        assert_int_equal(symlink(targets[i], p->path), 0);
-        assert_ok(p->context, fathom_file_check(p->context, p->path));
-        assert_ok(p->context, file_writer_commit(begin(p, "one")));
-        assert_true(S_ISREG(mode_of(p->path)));
-        assert_holds(p, "one");
+        assert_int_equal(symlink(targets[i], place), 0);
+        assert_ok(context, fathom_file_check(context, place));
+        assert_ok(context, file_writer_commit(begin("one")));
+        assert_true(S_ISREG(mode_of(place)));
+        assert_holds("one");
         struct stat info;
         assert_int_equal(stat(other, &info), 0);
         assert_int_equal(info.st_size, 0);
-        assert_int_equal(count_files(p, true), 2);
+        assert_int_equal(count_files(true), 2);
     }
 }
 
 /* Every name that the system takes: what comes before the extension is left out of the temporary one. */
 UNIT_TEST(the_longest_file_names_work) {
-    place *p = *state;
-    char path[sizeof p->folder + 300], name[256];
+    char path[sizeof folder + 300], name[256];
     for (size_t stem = 200; stem < 252; ++stem) {
         /* Two bytes a letter, and one at the beginning for half of them. */
         size_t length = stem % 2;
         memset(name, 'x', sizeof name);
         for (; length < stem; length += 2) memcpy(name + length, "\u00e4", 2);
         snprintf(name + length, sizeof name - length, ".exr");
-        snprintf(path, sizeof path, "%s/%s", p->folder, name);
+        snprintf(path, sizeof path, "%s/%s", folder, name);
         file_writer *writer;
-        assert_ok(p->context, file_writer_open(p->context, path, &writer));
+        assert_ok(context, file_writer_open(context, path, &writer));
         const char *temporary = file_writer_temporary(writer);
         assert_string_equal(temporary + strlen(temporary) - 4, ".exr");
         char kept[400];
         snprintf(kept, sizeof kept, "%s", temporary);
         assert_true(strchr("x\xa4", strstr(kept, ".fathom")[-1])); /* no half of a letter */
-        assert_ok(p->context, file_writer_commit(writer));
+        assert_ok(context, file_writer_commit(writer));
         make(kept);
-        assert_int_equal(count_files(p, false), 2);
+        assert_int_equal(count_files(false), 2);
         fathom_file_remove_left_over(path);
-        assert_int_equal(count_files(p, true), 1);
+        assert_int_equal(count_files(true), 1);
     }
 }
 
 /* Only who has no say over the file but may write to its folder learns of it in the end otherwise. */
 UNIT_TEST(protected_files_are_refused) {
-    place *p = *state;
-    assert_ok(p->context, file_writer_commit(begin(p, "one")));
-    assert_int_equal(chmod(p->path, 0444), 0);
-    assert_int_equal(chmod(p->folder, 01777), 0);
+    assert_ok(context, file_writer_commit(begin("one")));
+    assert_int_equal(chmod(place, 0444), 0);
+    assert_int_equal(chmod(folder, 01777), 0);
     const bool root = geteuid() == 0;
     if (root) assert_int_equal(seteuid(65534), 0);
-    assert_int_equal(fathom_file_check(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
-    assert_non_null(
-        strstr(fathom_context_message(p->context), "a.bin: cannot be written: Permission denied"));
+    assert_int_equal(fathom_file_check(context, place), FATHOM_OUT_OF_RESOURCES);
+    assert_non_null(strstr(fathom_context_message(context), "a.bin: cannot be written: Permission denied"));
     if (root) {
         assert_int_equal(seteuid(0), 0);
-        assert_int_equal(chmod(p->path, 0666), 0);
+        assert_int_equal(chmod(place, 0666), 0);
         assert_int_equal(seteuid(65534), 0);
-        assert_int_equal(fathom_file_check(p->context, p->path), FATHOM_OUT_OF_RESOURCES);
-        assert_non_null(strstr(fathom_context_message(p->context), "Operation not permitted"));
+        assert_int_equal(fathom_file_check(context, place), FATHOM_OUT_OF_RESOURCES);
+        assert_non_null(strstr(fathom_context_message(context), "Operation not permitted"));
         assert_int_equal(seteuid(0), 0);
     }
-    assert_holds(p, "one");
+    assert_holds("one");
 }
 
 UNIT_TEST(abort_removes_added_files) {
-    place *p = *state;
     char path[400];
-    snprintf(path, sizeof path, "%s", at(p, "other"));
+    snprintf(path, sizeof path, "%s", in_folder("other"));
     for (int kept = 0; kept < 2; ++kept) {
         make(path);
         fathom_file_abandon_also(path);
@@ -292,43 +264,44 @@ UNIT_TEST(abort_removes_added_files) {
 }
 
 UNIT_TEST(only_left_over_files_are_removed) {
-    place *p = *state;
-    file_writer *alive = begin(p, "one");
-    make(at(p, "a.fathom-tmp1.bin"));
-    make(at(p, "a.fathom-tmp123-4.bin"));
+    file_writer *alive = begin("one");
+    make(in_folder("a.fathom-tmp1.bin"));
+    make(in_folder("a.fathom-tmp123-4.bin"));
     static const char *const others[] = {"a.bin.bak",         "a.tmp1.bin",        "a.fathom-tmp.bin",
                                          "a.fathom-tmp1.exr", "b.fathom-tmp1.bin", "a.fathom-tmp1x.bin"};
     const int count = sizeof others / sizeof *others;
-    for (int i = 0; i < count; ++i) make(at(p, others[i]));
-    assert_int_equal(count_files(p, false), count + 3);
-    fathom_file_remove_left_over(p->path);
-    assert_int_equal(count_files(p, false), count + 1);
-    for (int i = 0; i < count; ++i) assert_int_equal(access(at(p, others[i]), F_OK), 0);
-    assert_ok(p->context, file_writer_commit(alive));
-    assert_holds(p, "one");
+    for (int i = 0; i < count; ++i) make(in_folder(others[i]));
+    assert_int_equal(count_files(false), count + 3);
+    fathom_file_remove_left_over(place);
+    assert_int_equal(count_files(false), count + 1);
+    for (int i = 0; i < count; ++i) assert_int_equal(access(in_folder(others[i]), F_OK), 0);
+    assert_ok(context, file_writer_commit(alive));
+    assert_holds("one");
 }
 
 /* While the child lives its file is in use; killed, it has left it over. */
 UNIT_TEST(the_file_of_a_killed_writer_is_removed) {
-    place *p = *state;
     int ready[2];
     char byte;
     assert_int_equal(pipe(ready), 0);
     pid_t child = fork();
     if (child == 0) {
-        begin(p, "never finished");
+        begin("never finished");
         if (write(ready[1], "x", 1) == 1) pause();
         _exit(1);
     }
     assert_int_equal(read(ready[0], &byte, 1), 1);
-    fathom_file_remove_left_over(p->path);
-    assert_int_equal(count_files(p, false), 1);
+    fathom_file_remove_left_over(place);
+    assert_int_equal(count_files(false), 1);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
-    assert_int_equal(count_files(p, false), 1);
-    fathom_file_remove_left_over(p->path);
-    assert_int_equal(count_files(p, false), 0);
+    assert_int_equal(count_files(false), 1);
+    fathom_file_remove_left_over(place);
+    assert_int_equal(count_files(false), 0);
     close(ready[0]), close(ready[1]);
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) {
+    unit_each(set_up, tear_down);
+    return unit_main(open_folder, remove_folder);
+}

@@ -4,6 +4,7 @@
 
 #include "random.h"
 #include "render.h"
+#include "unit_folder.h"
 
 #include <float.h>
 #include <sys/stat.h>
@@ -11,65 +12,52 @@
 
 #define PARTS_MAX 16
 
-typedef struct place {
-    stage s;
-    char folder[32], paths[PARTS_MAX][64];
-    const char *names[PARTS_MAX];
-    const float *exposure;
-} place;
+static stage st;
+static char paths[PARTS_MAX][256];
+static const char *names[PARTS_MAX];
+static const float *exposure;
 
 static int set_up(void **state) {
     static const double eye[3] = {0, 1, 4}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0}, center[3] = {0, -1, 0},
                         u[3] = {3, 0, 0}, v[3] = {0, 0, -3};
-    place *p = calloc(1, sizeof *p);
-    *state = p;
-    strcpy(p->folder, "/tmp/fathom-test-XXXXXX");
-    if (!mkdtemp(p->folder)) return -1;
+    (void)state;
+    exposure = NULL;
     for (int i = 0; i < PARTS_MAX; ++i) {
-        snprintf(p->paths[i], sizeof p->paths[i], "%s/%d.part", p->folder, i + 1);
-        p->names[i] = p->paths[i];
+        char name[16];
+        snprintf(name, sizeof name, "%d.part", i + 1);
+        snprintf(paths[i], sizeof paths[i], "%s", in_folder(name));
+        names[i] = paths[i];
     }
-    p->s = stage_open(106, 70);
+    st = stage_open(106, 70);
     fathom_material mirror = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_r[c] = 0.6f, mirror.k_d[c] = 0.2f;
-    stage_camera(&p->s, eye, target, up, 0.8);
-    stage_sphere(&p->s, -1, 0, 0, 0.8, stage_material(&p->s, &mirror));
-    stage_sphere(&p->s, 1, 1, 0, 0.4, stage_emitter(&p->s, 3));
-    stage_quad(&p->s, center, u, v, stage_lambert(&p->s, 0.7f));
-    stage_point_light(&p->s, 2, 4, 3, 20);
+    stage_camera(&st, eye, target, up, 0.8);
+    stage_sphere(&st, -1, 0, 0, 0.8, stage_material(&st, &mirror));
+    stage_sphere(&st, 1, 1, 0, 0.4, stage_emitter(&st, 3));
+    stage_quad(&st, center, u, v, stage_lambert(&st, 0.7f));
+    stage_point_light(&st, 2, 4, 3, 20);
     return 0;
 }
 
-static void remove_parts(const place *p) {
-    for (int i = 0; i < PARTS_MAX; ++i) unlink(p->paths[i]);
+static void remove_parts(void) {
+    for (int i = 0; i < PARTS_MAX; ++i) unlink(paths[i]);
 }
 
-static int tear_down(void **state) {
-    place *p = *state;
-    remove_parts(p);
-    const int left = rmdir(p->folder);
-    free(p);
-    return left;
-}
-
-static fathom_status render_to(place *p, const char *path, uint32_t index, uint32_t count,
-                               fathom_split split) {
+static fathom_status render_to(const char *path, uint32_t index, uint32_t count, fathom_split split) {
     fathom_part part = default_part();
     part.path = path, part.index = index, part.count = count, part.split = split;
-    part.exposure = p->exposure;
+    part.exposure = exposure;
     fathom_session_options options = default_session_options();
     options.part = &part;
     fathom_film *film;
-    fathom_context_set_threads(p->s.context, 1 + index % 3);
-    fathom_status status =
-        fathom_session_run(p->s.context, p->s.scene, &p->s.settings, &options, NULL, &film);
+    fathom_context_set_threads(st.context, 1 + index % 3);
+    fathom_status status = fathom_session_run(st.context, st.scene, &st.settings, &options, NULL, &film);
     fathom_film_destroy(film);
     return status;
 }
 
-static void render_parts(place *p, uint32_t count, fathom_split split) {
-    for (uint32_t i = 1; i <= count; ++i)
-        assert_ok(p->s.context, render_to(p, p->paths[i - 1], i, count, split));
+static void render_parts(uint32_t count, fathom_split split) {
+    for (uint32_t i = 1; i <= count; ++i) assert_ok(st.context, render_to(paths[i - 1], i, count, split));
 }
 
 static void assert_same_film(const fathom_film *a, const fathom_film *b) {
@@ -81,21 +69,21 @@ static void assert_same_film(const fathom_film *a, const fathom_film *b) {
         assert_memory_equal(a->channels[i].data, b->channels[i].data, bytes);
 }
 
-static void assert_parts_make(place *p, const fathom_film *whole, uint32_t count, fathom_split split) {
+static void assert_parts_make(const fathom_film *whole, uint32_t count, fathom_split split) {
     fathom_film *merged;
     fathom_stats stats = {.size = sizeof stats};
-    render_parts(p, count, split);
+    render_parts(count, split);
     /* In any order. */
-    const char *first = p->names[0];
-    p->names[0] = p->names[count - 1], p->names[count - 1] = first;
-    assert_ok(p->s.context, fathom_parts_merge(p->s.context, p->names, count, &stats, &merged));
-    p->names[count - 1] = p->names[0], p->names[0] = first;
+    const char *first = names[0];
+    names[0] = names[count - 1], names[count - 1] = first;
+    assert_ok(st.context, fathom_parts_merge(st.context, names, count, &stats, &merged));
+    names[count - 1] = names[0], names[0] = first;
     assert_same_film(whole, merged);
     assert_int_equal(stats.samples, whole->stats.samples);
     assert_int_equal(stats.camera_rays, whole->stats.camera_rays);
     assert_true(stats.error_estimate == whole->stats.error_estimate);
     fathom_film_destroy(merged);
-    remove_parts(p);
+    remove_parts();
 }
 
 /* ---- the same bits ---- */
@@ -103,57 +91,53 @@ static void assert_parts_make(place *p, const fathom_film *whole, uint32_t count
 UNIT_TEST(samples_make_the_whole) {
     static const uint32_t spp[] = {1, 4, 5, 37, 16, 64};
     static const uint32_t crop[] = {3, 5, 102, 69};
-    place *p = *state;
-    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
+    st.settings.pattern = FATHOM_PATTERN_SOBOL;
     for (uint32_t i = 0; i < (SANITIZED ? 8 : 12); ++i) {
-        p->s.settings.integrator = i % 2 ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
-        p->s.settings.spp = spp[i / 2];
-        p->s.settings.aovs = i % 3 ? FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR : 0;
-        if (i % 4 == 3) p->s.settings.aovs = FATHOM_AOV_ERROR;
-        if (i == 6) memcpy(p->s.settings.crop, crop, sizeof crop);
+        st.settings.integrator = i % 2 ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
+        st.settings.spp = spp[i / 2];
+        st.settings.aovs = i % 3 ? FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR : 0;
+        if (i % 4 == 3) st.settings.aovs = FATHOM_AOV_ERROR;
+        if (i == 6) memcpy(st.settings.crop, crop, sizeof crop);
         const uint32_t leaves = sum_leaves(spp[i / 2]);
-        fathom_film *whole = stage_render(&p->s);
-        assert_parts_make(p, whole, 1, FATHOM_SPLIT_SAMPLES);
-        if (leaves > 1) assert_parts_make(p, whole, 2, FATHOM_SPLIT_SAMPLES);
-        assert_parts_make(p, whole, leaves < 7 ? leaves : 7, FATHOM_SPLIT_SAMPLES);
+        fathom_film *whole = stage_render(&st);
+        assert_parts_make(whole, 1, FATHOM_SPLIT_SAMPLES);
+        if (leaves > 1) assert_parts_make(whole, 2, FATHOM_SPLIT_SAMPLES);
+        assert_parts_make(whole, leaves < 7 ? leaves : 7, FATHOM_SPLIT_SAMPLES);
     }
 }
 
 /* Means at the edge of a black ball before the dimmest background are no normal floats: those who merge flush
  * them to zero as those who render do. */
 UNIT_TEST(the_dimmest_light_is_the_wholes) {
-    place *p = *state;
-    assert_ok(p->s.context, fathom_scene_set_background(p->s.scene, (float[3]){FLT_MIN, FLT_MIN, 0}));
-    stage_sphere(&p->s, -1.2, 1.6, 0, 0.3, stage_lambert(&p->s, 0));
-    p->s.settings.integrator = FATHOM_INTEGRATOR_PATH, p->s.settings.spp = 16;
-    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
-    fathom_film *whole = stage_render(&p->s);
-    assert_parts_make(p, whole, 3, FATHOM_SPLIT_SAMPLES);
+    assert_ok(st.context, fathom_scene_set_background(st.scene, (float[3]){FLT_MIN, FLT_MIN, 0}));
+    stage_sphere(&st, -1.2, 1.6, 0, 0.3, stage_lambert(&st, 0));
+    st.settings.integrator = FATHOM_INTEGRATOR_PATH, st.settings.spp = 16;
+    st.settings.pattern = FATHOM_PATTERN_SOBOL;
+    fathom_film *whole = stage_render(&st);
+    assert_parts_make(whole, 3, FATHOM_SPLIT_SAMPLES);
 }
 
 UNIT_TEST(tiles_make_the_whole) {
-    place *p = *state;
     for (uint32_t i = 0; i < 4; ++i) {
-        p->s.settings.spp = i % 2 ? 9 : 1;
-        p->s.settings.pattern = FATHOM_PATTERN_GRID;
-        p->s.settings.aovs = i % 2 ? FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR : 0;
-        if (i > 1) p->s.settings.crop[2] = 70, p->s.settings.crop[3] = 41;
-        fathom_film *whole = stage_render(&p->s);
-        assert_parts_make(p, whole, 1, FATHOM_SPLIT_TILES);
-        assert_parts_make(p, whole, 5, FATHOM_SPLIT_TILES);
-        assert_parts_make(p, whole, PARTS_MAX, FATHOM_SPLIT_AUTO); /* more parts than tiles: some are empty */
+        st.settings.spp = i % 2 ? 9 : 1;
+        st.settings.pattern = FATHOM_PATTERN_GRID;
+        st.settings.aovs = i % 2 ? FATHOM_AOVS & ~(unsigned)FATHOM_AOV_ERROR : 0;
+        if (i > 1) st.settings.crop[2] = 70, st.settings.crop[3] = 41;
+        fathom_film *whole = stage_render(&st);
+        assert_parts_make(whole, 1, FATHOM_SPLIT_TILES);
+        assert_parts_make(whole, 5, FATHOM_SPLIT_TILES);
+        assert_parts_make(whole, PARTS_MAX, FATHOM_SPLIT_AUTO); /* more parts than tiles: some are empty */
     }
 }
 
 UNIT_TEST(tiles_to_an_error_make_the_whole) {
-    place *p = *state;
-    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
-    p->s.settings.target_error = 0.02, p->s.settings.spp = 64;
-    p->s.settings.aovs = FATHOM_AOVS;
+    st.settings.pattern = FATHOM_PATTERN_SOBOL;
+    st.settings.target_error = 0.02, st.settings.spp = 64;
+    st.settings.aovs = FATHOM_AOVS;
     for (int i = 0; i < 2; ++i) {
-        p->s.settings.integrator = i ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
-        fathom_film *whole = stage_render(&p->s);
-        assert_parts_make(p, whole, 3, FATHOM_SPLIT_AUTO);
+        st.settings.integrator = i ? FATHOM_INTEGRATOR_PATH : FATHOM_INTEGRATOR_CLASSIC;
+        fathom_film *whole = stage_render(&st);
+        assert_parts_make(whole, 3, FATHOM_SPLIT_AUTO);
     }
 }
 
@@ -227,9 +211,9 @@ UNIT_TEST(each_tile_is_of_one_part) {
 
 /* ---- files that are cut off, damaged, missing, of another render ---- */
 
-static void small(place *p) {
-    p->s.settings.width = 64, p->s.settings.height = 64, p->s.settings.spp = 8;
-    p->s.settings.pattern = FATHOM_PATTERN_SOBOL;
+static void small(void) {
+    st.settings.width = 64, st.settings.height = 64, st.settings.spp = 8;
+    st.settings.pattern = FATHOM_PATTERN_SOBOL;
 }
 
 static unsigned char *read_all(const char *path, size_t *size) {
@@ -244,32 +228,32 @@ static unsigned char *read_all(const char *path, size_t *size) {
     return bytes;
 }
 
-static fathom_status merge(place *p, uint32_t count, fathom_film **out) {
-    return fathom_parts_merge(p->s.context, p->names, count, NULL, out);
+static fathom_status merge(uint32_t count, fathom_film **out) {
+    return fathom_parts_merge(st.context, names, count, NULL, out);
 }
 
 /* Wherever a file ends, or a bit of it is turned: merging says so, and the same render mends it, unless it is
  * the head that is damaged. */
-static void assert_mended(place *p, fathom_split split) {
-    fathom_film *whole = stage_render(&p->s), *merged;
+static void assert_mended(fathom_split split) {
+    fathom_film *whole = stage_render(&st), *merged;
     size_t size;
     random_state random = {7};
-    render_parts(p, 2, split);
-    unsigned char *bytes = read_all(p->paths[1], &size);
+    render_parts(2, split);
+    unsigned char *bytes = read_all(paths[1], &size);
     for (int i = 0; i < 24; ++i) {
         const size_t at = i < 2 ? (size_t)i : random_bits(&random) % size;
         const bool cut = i % 2 == 0, head = at < sizeof(part_head) + sizeof(uint64_t);
         bytes[at] ^= 16;
-        unit_write_file(p->paths[1], bytes, cut ? at : size);
+        unit_write_file(paths[1], bytes, cut ? at : size);
         bytes[at] ^= 16;
-        assert_int_equal(merge(p, 2, &merged), FATHOM_BAD_INPUT);
-        fathom_status status = render_to(p, p->paths[1], 2, 2, split);
+        assert_int_equal(merge(2, &merged), FATHOM_BAD_INPUT);
+        fathom_status status = render_to(paths[1], 2, 2, split);
         if (status != FATHOM_OK) {
             assert_int_equal(status, FATHOM_BAD_INPUT);
             assert_true(head && !cut);
             continue;
         }
-        assert_ok(p->s.context, merge(p, 2, &merged));
+        assert_ok(st.context, merge(2, &merged));
         assert_same_film(whole, merged);
         fathom_film_destroy(merged);
     }
@@ -277,104 +261,99 @@ static void assert_mended(place *p, fathom_split split) {
 }
 
 UNIT_TEST(cut_or_damaged_parts_are_mended) {
-    place *p = *state;
-    small(p);
-    assert_mended(p, FATHOM_SPLIT_SAMPLES);
-    remove_parts(p);
-    assert_mended(p, FATHOM_SPLIT_TILES);
+    small();
+    assert_mended(FATHOM_SPLIT_SAMPLES);
+    remove_parts();
+    assert_mended(FATHOM_SPLIT_TILES);
 }
 
 UNIT_TEST(parts_of_different_renders_are_refused) {
-    place *p = *state;
-    fathom_context *context = p->s.context;
     fathom_film *film;
-    small(p);
-    render_parts(p, 2, FATHOM_SPLIT_SAMPLES);
-    p->s.settings.seed = 9;
-    assert_fails(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
+    small();
+    render_parts(2, FATHOM_SPLIT_SAMPLES);
+    st.settings.seed = 9;
+    assert_fails(st.context, render_to(paths[1], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
                  "2.part: the existing part was rendered with --seed 0, and this render has 9");
-    unlink(p->paths[1]);
-    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
-    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT,
+    unlink(paths[1]);
+    assert_ok(st.context, render_to(paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
+    assert_fails(st.context, merge(2, &film), FATHOM_BAD_INPUT,
                  "2.part: the part was rendered with --seed 9, and ");
-    p->s.settings.seed = 0;
-    assert_fails(context, render_to(p, p->paths[0], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
+    st.settings.seed = 0;
+    assert_fails(st.context, render_to(paths[0], 2, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
                  "1.part: the existing part was rendered with the number 1 of 2, by samples, and this render "
                  "has 2 of 2, by samples");
-    unlink(p->paths[1]);
-    p->s.settings.tracer = "linear";
-    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
-    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT,
+    unlink(paths[1]);
+    st.settings.tracer = "linear";
+    assert_ok(st.context, render_to(paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
+    assert_fails(st.context, merge(2, &film), FATHOM_BAD_INPUT,
                  "2.part: the part was rendered with the tracer ");
-    assert_fails(context, render_to(p, p->paths[0], 1, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
+    assert_fails(st.context, render_to(paths[0], 1, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_INPUT,
                  "1.part: the existing part was rendered with the tracer ");
-    p->s.settings.tracer = NULL;
-    unlink(p->paths[1]);
-    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_TILES));
-    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "rendered with a split by tiles, and ");
-    unlink(p->paths[1]);
-    stage_point_light(&p->s, 0, 4, 3, 20);
-    assert_ok(context, render_to(p, p->paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
-    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "rendered with a scene of contents ");
+    st.settings.tracer = NULL;
+    unlink(paths[1]);
+    assert_ok(st.context, render_to(paths[1], 2, 2, FATHOM_SPLIT_TILES));
+    assert_fails(st.context, merge(2, &film), FATHOM_BAD_INPUT, "rendered with a split by tiles, and ");
+    unlink(paths[1]);
+    stage_point_light(&st, 0, 4, 3, 20);
+    assert_ok(st.context, render_to(paths[1], 2, 2, FATHOM_SPLIT_SAMPLES));
+    assert_fails(st.context, merge(2, &film), FATHOM_BAD_INPUT, "rendered with a scene of contents ");
 }
 
 UNIT_TEST(missing_and_double_parts_are_named) {
-    place *p = *state;
-    fathom_context *context = p->s.context;
     fathom_film *film;
-    small(p);
+    small();
     for (uint32_t i = 1; i <= 5; i += 2)
-        assert_ok(context, render_to(p, p->paths[i / 2], i, 6, FATHOM_SPLIT_TILES));
-    assert_fails(context, merge(p, 3, &film), FATHOM_BAD_INPUT,
+        assert_ok(st.context, render_to(paths[i / 2], i, 6, FATHOM_SPLIT_TILES));
+    assert_fails(st.context, merge(3, &film), FATHOM_BAD_INPUT,
                  "1.part: is one of 6 parts, and missing are: 2, 4, 6");
-    assert_ok(context, render_to(p, p->paths[3], 3, 6, FATHOM_SPLIT_TILES));
-    assert_fails(context, merge(p, 4, &film), FATHOM_BAD_INPUT, "4.part: is part 3 of 6, and so is ");
-    unit_write_file(p->paths[1], "nothing", 7);
-    assert_fails(context, merge(p, 2, &film), FATHOM_BAD_INPUT, "2.part: is not a part of an image");
-    assert_fails(context, render_to(p, p->paths[1], 3, 6, FATHOM_SPLIT_TILES), FATHOM_BAD_INPUT,
+    assert_ok(st.context, render_to(paths[3], 3, 6, FATHOM_SPLIT_TILES));
+    assert_fails(st.context, merge(4, &film), FATHOM_BAD_INPUT, "4.part: is part 3 of 6, and so is ");
+    unit_write_file(paths[1], "nothing", 7);
+    assert_fails(st.context, merge(2, &film), FATHOM_BAD_INPUT, "2.part: is not a part of an image");
+    assert_fails(st.context, render_to(paths[1], 3, 6, FATHOM_SPLIT_TILES), FATHOM_BAD_INPUT,
                  "2.part: is not a part of an image");
 }
 
 UNIT_TEST(what_cannot_be_split_is_refused) {
-    place *p = *state;
-    fathom_context *context = p->s.context;
-    small(p);
-    assert_fails(context, render_to(p, p->paths[0], 1, 3, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_USAGE,
+    small();
+    assert_fails(st.context, render_to(paths[0], 1, 3, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_USAGE,
                  "8 samples a pixel cannot be split into 3 parts");
-    assert_fails(context, render_to(p, p->paths[0], 3, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
+    assert_fails(st.context, render_to(paths[0], 3, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
                  "found part 3 of 2");
-    assert_fails(context, render_to(p, p->paths[0], 0, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
+    assert_fails(st.context, render_to(paths[0], 0, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
                  "found part 0 of 2");
-    assert_fails(context, render_to(p, NULL, 1, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE, "path");
-    p->s.settings.target_error = 0.1;
-    assert_fails(context, render_to(p, p->paths[0], 1, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_USAGE,
+    assert_fails(st.context, render_to(NULL, 1, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE, "path");
+    st.settings.target_error = 0.1;
+    assert_fails(st.context, render_to(paths[0], 1, 2, FATHOM_SPLIT_SAMPLES), FATHOM_BAD_USAGE,
                  "a render to an error cannot be split by samples");
-    p->s.settings.target_error = 0, p->s.settings.max_time = 1;
-    assert_fails(context, render_to(p, p->paths[0], 1, 2, FATHOM_SPLIT_TILES), FATHOM_BAD_USAGE,
+    st.settings.target_error = 0, st.settings.max_time = 1;
+    assert_fails(st.context, render_to(paths[0], 1, 2, FATHOM_SPLIT_TILES), FATHOM_BAD_USAGE,
                  "a render to a time cannot be split");
 }
 
 UNIT_TEST(the_merged_film_tells_the_parts_exposure) {
     static const float given = -3.5f, wrong[] = {128, -128, INFINITY, NAN};
-    place *p = *state;
     fathom_film *film;
     float found = 7;
-    small(p);
-    render_parts(p, 2, FATHOM_SPLIT_TILES);
-    assert_ok(p->s.context, merge(p, 2, &film));
+    small();
+    render_parts(2, FATHOM_SPLIT_TILES);
+    assert_ok(st.context, merge(2, &film));
     assert_false(fathom_film_exposure(film, &found));
     fathom_film_destroy(film);
-    remove_parts(p);
-    p->exposure = &given;
-    render_parts(p, 2, FATHOM_SPLIT_SAMPLES);
-    assert_ok(p->s.context, merge(p, 2, &film));
+    remove_parts();
+    exposure = &given;
+    render_parts(2, FATHOM_SPLIT_SAMPLES);
+    assert_ok(st.context, merge(2, &film));
     assert_true(fathom_film_exposure(film, &found) && found == given);
     fathom_film_destroy(film);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        p->exposure = &wrong[i];
-        assert_fails(p->s.context, render_to(p, p->paths[2], 1, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
+        exposure = &wrong[i];
+        assert_fails(st.context, render_to(paths[2], 1, 2, FATHOM_SPLIT_AUTO), FATHOM_BAD_USAGE,
                      "part: expected an exposure below 128 stops, found ");
     }
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) {
+    unit_each(set_up, NULL);
+    return unit_main(open_folder, remove_folder);
+}

@@ -2,37 +2,20 @@
 #include "film/film.h"
 
 #include "moving.h"
+#include "unit_folder.h"
 
 #include <unistd.h>
 
-#define PARTS 3
-
-typedef struct ways {
-    stage s;
-    char folder[32], checkpoint[64], parts[PARTS][64];
-    int ticks; /* of progress, after which the render stops */
-} ways;
+static stage st;
+static int ticks; /* of progress, after which the render stops */
 
 static int set_up(void **state) {
-    ways *w = calloc(1, sizeof *w);
-    *state = w;
-    strcpy(w->folder, "/tmp/fathom-test-XXXXXX");
-    if (!mkdtemp(w->folder)) return -1;
-    snprintf(w->checkpoint, sizeof w->checkpoint, "%s/c", w->folder);
-    for (int i = 0; i < PARTS; ++i) snprintf(w->parts[i], sizeof w->parts[i], "%s/%d", w->folder, i);
-    w->s = moving_stage(ALL, 0, 2);
-    w->s.settings.width = 70, w->s.settings.height = 40, w->s.settings.spp = 16;
-    w->s.settings.aovs = FATHOM_AOVS, w->s.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
+    (void)state;
+    ticks = 0;
+    st = moving_stage(ALL, 0, 2);
+    st.settings.width = 70, st.settings.height = 40, st.settings.spp = 16;
+    st.settings.aovs = FATHOM_AOVS, st.settings.fireflies = FATHOM_FIREFLIES_REWEIGHT;
     return 0;
-}
-
-static int tear_down(void **state) {
-    ways *w = *state;
-    unlink(w->checkpoint);
-    for (int i = 0; i < PARTS; ++i) unlink(w->parts[i]);
-    const int left = rmdir(w->folder);
-    free(w);
-    return left;
 }
 
 /* ---- comparing ---- */
@@ -73,21 +56,20 @@ static void assert_same(stage *s, const fathom_film *a, const fathom_film *part)
 /* ---- ways ---- */
 
 static bool stop_after(void *user, const fathom_progress *now) {
-    ways *w = user;
-    return now->phase != FATHOM_PHASE_RENDER || w->ticks-- > 0;
+    (void)user;
+    return now->phase != FATHOM_PHASE_RENDER || ticks-- > 0;
 }
 
 /* Stopped again and again, each time on another number of threads; returns how often. */
-static int render_with_stops(ways *w, fathom_film **out) {
+static int render_with_stops(fathom_film **out) {
     fathom_checkpoint saving = default_checkpoint();
-    saving.path = w->checkpoint;
+    saving.path = in_folder("c");
     fathom_session_options options = default_session_options();
-    options.checkpoint = &saving, options.progress = stop_after, options.user = w;
+    options.checkpoint = &saving, options.progress = stop_after;
     for (int stops = 0;; ++stops) {
-        w->ticks = stops;
-        fathom_context_set_threads(w->s.context, 1 + (unsigned)stops % 2);
-        fathom_status status =
-            fathom_session_run(w->s.context, w->s.scene, &w->s.settings, &options, NULL, out);
+        ticks = stops;
+        fathom_context_set_threads(st.context, 1 + (unsigned)stops % 2);
+        fathom_status status = fathom_session_run(st.context, st.scene, &st.settings, &options, NULL, out);
         if (status == FATHOM_OK) return stops;
         assert_int_equal(status, FATHOM_INTERRUPTED);
         fathom_film_destroy(*out);
@@ -96,82 +78,84 @@ static int render_with_stops(ways *w, fathom_film **out) {
 }
 
 /* More samples until it lasts long enough to be stopped. */
-static void assert_stops_change_nothing(ways *w) {
-    for (int stops = 0; !stops; w->s.settings.spp *= 2, w->s.settings.target_error /= 2) {
-        fathom_film *whole = stage_render(&w->s), *resumed;
-        stops = render_with_stops(w, &resumed);
-        assert_same(&w->s, whole, resumed);
+static void assert_stops_change_nothing(void) {
+    for (int stops = 0; !stops; st.settings.spp *= 2, st.settings.target_error /= 2) {
+        fathom_film *whole = stage_render(&st), *resumed;
+        stops = render_with_stops(&resumed);
+        assert_same(&st, whole, resumed);
         fathom_film_destroy(resumed);
-        unlink(w->checkpoint);
+        unlink(in_folder("c"));
     }
 }
 
-static void assert_parts_change_nothing(ways *w, fathom_split split) {
-    const char *paths[PARTS];
-    fathom_film *whole = stage_render(&w->s), *merged;
+static void assert_parts_change_nothing(fathom_split split) {
+    const char *const paths[] = {in_folder("0"), in_folder("1"), in_folder("2")};
+    enum { PARTS = sizeof paths / sizeof *paths };
+    fathom_film *whole = stage_render(&st), *merged;
     for (uint32_t i = 0; i < PARTS; ++i) {
         fathom_part part = default_part();
-        part.path = paths[i] = w->parts[i], part.index = i + 1, part.count = PARTS, part.split = split;
+        part.path = paths[i], part.index = i + 1, part.count = PARTS, part.split = split;
         fathom_session_options options = default_session_options();
         options.part = &part;
-        assert_ok(w->s.context,
-                  fathom_session_run(w->s.context, w->s.scene, &w->s.settings, &options, NULL, &merged));
+        assert_ok(st.context,
+                  fathom_session_run(st.context, st.scene, &st.settings, &options, NULL, &merged));
         fathom_film_destroy(merged);
     }
-    assert_ok(w->s.context, fathom_parts_merge(w->s.context, paths, PARTS, NULL, &merged));
-    assert_same(&w->s, whole, merged);
+    assert_ok(st.context, fathom_parts_merge(st.context, paths, PARTS, NULL, &merged));
+    assert_same(&st, whole, merged);
     fathom_film_destroy(merged);
 }
 
-static void to_an_error(ways *w) { w->s.settings.target_error = 0.05, w->s.settings.spp = 64; }
+static void to_an_error(void) { st.settings.target_error = 0.05, st.settings.spp = 64; }
 
 /* ---- the laws ---- */
 
-UNIT_TEST(stops_change_no_bit_of_even_samples) { assert_stops_change_nothing(*state); }
+UNIT_TEST(stops_change_no_bit_of_even_samples) { assert_stops_change_nothing(); }
 
 UNIT_TEST(stops_change_no_bit_of_samples_to_an_error) {
-    to_an_error(*state);
-    assert_stops_change_nothing(*state);
+    to_an_error();
+    assert_stops_change_nothing();
 }
 
-UNIT_TEST(parts_by_samples_change_no_bit) { assert_parts_change_nothing(*state, FATHOM_SPLIT_SAMPLES); }
+UNIT_TEST(parts_by_samples_change_no_bit) { assert_parts_change_nothing(FATHOM_SPLIT_SAMPLES); }
 
-UNIT_TEST(parts_by_tiles_change_no_bit) { assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES); }
+UNIT_TEST(parts_by_tiles_change_no_bit) { assert_parts_change_nothing(FATHOM_SPLIT_TILES); }
 
 UNIT_TEST(parts_change_no_bit_of_samples_to_an_error) {
-    to_an_error(*state);
-    assert_parts_change_nothing(*state, FATHOM_SPLIT_TILES);
+    to_an_error();
+    assert_parts_change_nothing(FATHOM_SPLIT_TILES);
 }
 
-static void assert_threads_change_nothing(ways *w) {
-    fathom_context_set_threads(w->s.context, 1);
-    fathom_film *one = stage_render(&w->s);
-    fathom_context_set_threads(w->s.context, 3);
-    fathom_film *three = stage_render(&w->s);
-    assert_same(&w->s, one, three);
+static void assert_threads_change_nothing(void) {
+    fathom_context_set_threads(st.context, 1);
+    fathom_film *one = stage_render(&st);
+    fathom_context_set_threads(st.context, 3);
+    fathom_film *three = stage_render(&st);
+    assert_same(&st, one, three);
 }
 
 UNIT_TEST(threads_change_no_bit) {
-    ways *w = *state;
-    assert_threads_change_nothing(w);
-    to_an_error(w);
-    assert_threads_change_nothing(w);
+    assert_threads_change_nothing();
+    to_an_error();
+    assert_threads_change_nothing();
 }
 
-static void assert_crop_changes_nothing(ways *w) {
+static void assert_crop_changes_nothing(void) {
     static const uint32_t crop[4] = {5, 3, 66, 37}, none[4] = {0};
-    memcpy(w->s.settings.crop, none, sizeof none);
-    fathom_film *whole = stage_render(&w->s);
-    memcpy(w->s.settings.crop, crop, sizeof crop);
-    fathom_film *part = stage_render(&w->s);
-    assert_same(&w->s, whole, part);
+    memcpy(st.settings.crop, none, sizeof none);
+    fathom_film *whole = stage_render(&st);
+    memcpy(st.settings.crop, crop, sizeof crop);
+    fathom_film *part = stage_render(&st);
+    assert_same(&st, whole, part);
 }
 
 UNIT_TEST(a_crop_changes_no_bit) {
-    ways *w = *state;
-    assert_crop_changes_nothing(w);
-    to_an_error(w);
-    assert_crop_changes_nothing(w);
+    assert_crop_changes_nothing();
+    to_an_error();
+    assert_crop_changes_nothing();
 }
 
-int main(void) { return unit_main_each(set_up, tear_down); }
+int main(void) {
+    unit_each(set_up, NULL);
+    return unit_main(open_folder, remove_folder);
+}
