@@ -2,9 +2,8 @@
 #pragma once
 
 #include "materials.h"
-#include "owned.h"
 #include "scene/scene.h"
-#include "unit_folder.h"
+#include "written.h"
 
 static const char *const formats[] = {"a.glb", "a.json"};
 enum { GLB, JSON, FORMATS };
@@ -30,11 +29,8 @@ static inline fathom_scene *wearing(const fathom_material *m, const fathom_textu
 }
 
 /* Writes the scene and reads the file. */
-static inline fathom_scene *through(fathom_scene *scene, int format) {
-    assert_ok(context, fathom_scene_write(scene, in_folder(formats[format])));
-    fathom_scene *back = scene_of_file(context, in_folder(formats[format]));
-    unlink(in_folder(formats[format]));
-    return back;
+static inline fathom_scene *through(const fathom_scene *scene, int format) {
+    return written(scene, formats[format]);
 }
 
 static inline const fathom_material *worn(const fathom_scene *scene) {

@@ -171,8 +171,7 @@ UNIT_TEST(every_image_reads_back) {
 
 /* The material of the scene that comes back from .obj. */
 static const fathom_material *through_obj(const fathom_scene *scene, fathom_scene **back) {
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.obj")));
-    *back = scene_of_file(context, in_folder("a.obj"));
+    *back = written(scene, "a.obj");
     return &(*back)->materials.items[find_material(*back, "material_1")].value;
 }
 
@@ -230,9 +229,8 @@ UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
             (fathom_map){.texture = 1, .channel = 3, .inverted = k >= 3, .transform = {2, 0, 0, 0, 2, 0}};
         if (other == 1) m.maps[alpha].transform[0] = 1;
         texture.color_space = FATHOM_COLOR_AUTO, texture.bytes = "\x89PNG\r\n";
-        fathom_scene *scene;
         fathom_id id;
-        scene = new_scene(context);
+        fathom_scene *scene = new_scene(context);
         assert_ok(context, fathom_scene_add_texture(scene, &texture, NULL));
         texture.color_space = FATHOM_COLOR_LINEAR;
         if (other == 2) texture.bytes = "\x89PNG\r\a";
@@ -364,10 +362,9 @@ static fathom_scene *rich_scene(bool parallel) {
     static const char picture[] = "P6\n2 2\n255\n\xff\x20\x10\x40\xf0\x70\x20\x30\xe0\xb0\xa0\x90";
     const fathom_texture texture = {
         .size = sizeof texture, .bytes = picture, .byte_count = sizeof picture - 1};
-    fathom_scene *scene;
     fathom_material m = default_material();
     fathom_id id, group;
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.clearcoat = 0.4f, m.metallic = 0.2f;
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
     m.maps[FATHOM_MAP_OPACITY] = m.maps[FATHOM_MAP_COLOR];
@@ -397,13 +394,11 @@ static fathom_scene *rich_scene(bool parallel) {
 /* Only normalised directions and axes are rebuilt, in double: the rays, which are float, stay. */
 static void check_conversion(bool parallel) {
     fathom_scene *made = rich_scene(parallel), *glb;
-    assert_ok(context, fathom_scene_write(made, in_folder("first.glb")));
-    glb = scene_of_file(context, in_folder("first.glb"));
+    glb = written(made, "first.glb");
     for (int format = 0; format < FORMATS; ++format) {
         fathom_scene *source, *back;
         source = scene_of_file(context, in_folder("first.glb"));
-        assert_ok(context, fathom_scene_write(source, in_folder(formats[format])));
-        back = scene_of_file(context, in_folder(formats[format]));
+        back = written(source, formats[format]);
         check_same_render(glb, back, formats[format]);
         unlink(in_folder("a-0"));
     }
@@ -424,8 +419,7 @@ UNIT_TEST(scene_json_survives_conversion) {
         fathom_scene *scene, *back;
         snprintf(path, sizeof path, "%s/scenes/%s", SOURCE_DIR, files[i]);
         scene = scene_of_file(context, path);
-        assert_ok(context, fathom_scene_write(scene, in_folder("a.json")));
-        back = scene_of_file(context, in_folder("a.json"));
+        back = written(scene, "a.json");
         check_same_render(scene, back, files[i]);
     }
 }
@@ -469,9 +463,7 @@ UNIT_TEST(mesh_files_keep_vertex_colours) {
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     }
     for (int format = 0; format < 2; ++format) {
-        fathom_scene *back;
-        assert_ok(context, fathom_scene_write(scene, in_folder(names[format])));
-        back = scene_of_file(context, in_folder(names[format]));
+        fathom_scene *back = written(scene, names[format]);
         assert_int_equal(back->meshes.count, format ? 2 : 1);
         for (uint32_t v = 0; v < 6; ++v) {
             const fathom_mesh *got = &back->meshes.items[format ? v / 3 : 0];
@@ -508,13 +500,11 @@ UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
     static const char pixel[] = "P6\n1 1\n255\n\x80\x80\x80";
     const fathom_texture texture = {.size = sizeof texture, .bytes = pixel, .byte_count = sizeof pixel - 1};
     static const float turned[6] = {0.5f, 0.25f, 0.125f, -0.25f, 2, 0.75f};
-    fathom_scene *back;
     fathom_material m = default_material();
     m.maps[FATHOM_MAP_COLOR].texture = 0;
     memcpy(m.maps[FATHOM_MAP_COLOR].transform, turned, sizeof turned);
     fathom_scene *scene = wearing(&m, &texture);
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
-    back = scene_of_file(context, in_folder("a.ply"));
+    fathom_scene *back = written(scene, "a.ply");
     const fathom_mesh *mesh = &back->meshes.items[0];
     const fathom_map *map = &back->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR];
     assert_int_not_equal(map->texture, FATHOM_NONE);
@@ -530,8 +520,7 @@ UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
     /* Another material, and it is no longer that of all. */
     fathom_mesh other = triangle(0);
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &other, NULL));
-    assert_ok(context, fathom_scene_write(scene, in_folder("a.ply")));
-    back = scene_of_file(context, in_folder("a.ply"));
+    back = written(scene, "a.ply");
     assert_int_equal(back->textures.count, 0);
     unlink(in_folder("a-0")), unlink(in_folder("a-0.png"));
 }

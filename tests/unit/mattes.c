@@ -306,9 +306,8 @@ UNIT_TEST(names_read_back) {
             placed.group = group, placed.transform[7] = k;
             assert_ok(s.context, fathom_scene_add_instance(s.scene, &placed, NULL));
         }
-        fathom_scene *back;
         assert_ok(s.context, fathom_scene_write(s.scene, in_folder(files[f])));
-        back = scene_of_file(s.context, in_folder(files[f]));
+        fathom_scene *back = scene_of_file(s.context, in_folder(files[f]));
         char *manifest = matte_manifest(back, MATTE_OBJECT), entry[64];
         for (int k = 0; k < 3; ++k) {
             snprintf(entry, sizeof entry, "\"%s\":\"%08x\"", names[k], matte_id(names[k]));

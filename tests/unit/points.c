@@ -7,6 +7,7 @@
 #include "render.h"
 #include "unit_folder.h"
 #include "verify/laws/laws.h"
+#include "written.h"
 
 #include <string.h>
 
@@ -305,10 +306,9 @@ static float usual_radius(void) {
 }
 
 static fathom_scene *scene_of(const fathom_mesh *mesh) {
-    fathom_scene *scene;
     fathom_material white = default_material();
     for (int c = 0; c < 3; ++c) white.k_d[c] = 1;
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "white", &white, NULL));
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, mesh, NULL));
     return scene;
@@ -316,10 +316,8 @@ static fathom_scene *scene_of(const fathom_mesh *mesh) {
 
 /* Writes the scene and reads it back; destroys it. */
 static fathom_scene *through(fathom_scene *scene, const char *file) {
-    fathom_scene *back;
     forget_warnings();
-    assert_ok(context, fathom_scene_write(scene, in_folder(file)));
-    back = scene_of_file(context, in_folder(file));
+    fathom_scene *back = written(scene, file);
     return back;
 }
 

@@ -163,10 +163,9 @@ UNIT_TEST(memory_out_of_proportion_is_refused) {
 /* What making normals takes meanwhile counts, and is given back: the second file makes them three times. */
 UNIT_TEST(normals_out_of_proportion_are_refused) {
     const read_mesh_options smooth = {.material = FATHOM_NONE, .smooth = true};
-    fathom_scene *scene;
     write_triangle("{" ASSET ",'accessors':[{" VEC3(3000) "}],'meshes':[{'primitives':[{'attributes':{"
                                                           "'POSITION':0}}]}]}");
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_fails(context, read_gltf(scene, FATHOM_ROOT, file_path, &smooth), FATHOM_BAD_INPUT,
                  "meshes[0].primitives[0]: raises what the file needs to 156000 bytes of memory");
 #define PART "{'attributes':{'POSITION':0}}"

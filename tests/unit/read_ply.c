@@ -517,13 +517,12 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
     ply_square(&m);
     ROW(&m, "biiii", 4, 0, 1, 2, 3);
     read_mesh_options options = plain;
-    fathom_scene *scene;
     fathom_texture texture = default_texture();
     fathom_material material;
     fathom_material_default(&material);
     texture.file = mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
     forget_warnings();
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &material.maps[FATHOM_MAP_COLOR].texture));
     assert_ok(context, fathom_scene_add_material(scene, "m", &material, &options.material));
     assert_ok(context, read_ply(scene, FATHOM_ROOT, mesh_write("a.ply", m.bytes, m.size), &options));

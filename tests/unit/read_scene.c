@@ -27,9 +27,8 @@ UNIT_TEST(by_extension) {
 /* A bare model becomes a scene that can be rendered: with a name, a camera that has all of it in view,
  * lights. */
 UNIT_TEST(bare_model) {
-    fathom_scene *scene;
     const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
-    scene = scene_of_file(context, path);
+    fathom_scene *scene = scene_of_file(context, path);
     assert_string_equal(scene->name, "thing.v2");
     assert_true(scene->lights.count > 0);
     for (uint32_t i = 0; i < 4; ++i) {
@@ -44,12 +43,11 @@ UNIT_TEST(bare_model) {
 /* By as many of the last parts of its name as lead to one; of Windows, too. */
 UNIT_TEST(images_of_another_computer_are_found) {
     char base[256], wall[256];
-    fathom_scene *scene;
     assert_int_equal(mkdir(in_folder("Maps"), 0700), 0);
     snprintf(wall, sizeof wall, "%s", in_folder("Maps/Wall.png"));
     snprintf(base, sizeof base, "%s", in_folder("a.mtl"));
     unit_write_file(wall, "x", 1);
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     scene->top = base;
     static const char *const found[] = {"Maps/Wall.png", "maps\\wall.PNG",
                                         "C:\\my models\\house\\MAPS\\wall.png",
@@ -120,9 +118,8 @@ UNIT_TEST(the_camera_fits_the_size_asked_for) {
 }
 
 static uint32_t spp_of(const char *path) {
-    fathom_scene *scene;
     fathom_settings settings;
-    scene = scene_of_file(context, path);
+    fathom_scene *scene = scene_of_file(context, path);
     fathom_scene_settings(scene, &settings);
     return settings.spp;
 }
@@ -153,9 +150,8 @@ UNIT_TEST(scene_files_shape_their_image) {
                  "{\"image\":{%s},\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0],\"d\":1,\"w\":2,\"h\":1},"
                  "\"objects\":[{\"type\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]}",
                  cases[i].image);
-        fathom_scene *scene;
         forget_warnings();
-        scene = scene_of_file(context, mesh_write("a.json", json, strlen(json)));
+        fathom_scene *scene = scene_of_file(context, mesh_write("a.json", json, strlen(json)));
         assert_int_equal(scene->settings.width, cases[i].width);
         assert_int_equal(scene->settings.height, cases[i].height);
         assert_near(scene->camera.w, 2, 0);

@@ -5,6 +5,7 @@
 #include "random.h"
 #include "scene/camera/camera.h"
 #include "unit_folder.h"
+#include "written.h"
 
 #include <fathom/fathom.h>
 
@@ -56,9 +57,8 @@ UNIT_TEST(it_turns_with_the_viewer) {
 }
 
 static fathom_scene *open_ball(void) {
-    fathom_scene *scene;
     fathom_sphere ball = default_sphere();
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_sphere(scene, 0, &ball, NULL));
     return scene;
 }
@@ -126,8 +126,7 @@ UNIT_TEST(what_is_added_later_replaces_what_was_made) {
         assert_ok(context, fathom_scene_set_camera(scene, &camera));
         seen[later] = look(scene, &behind[later]);
     }
-    assert_ok(context, fathom_scene_write(scene, in_folder("later.json")));
-    again = scene_of_file(context, in_folder("later.json"));
+    again = written(scene, "later.json");
     seen[2] = look(again, &behind[2]);
     for (int i = 1; i < 3; ++i) assert_true(seen[i] == seen[0] && behind[i] == behind[0]);
     remove(in_folder("later.json"));
@@ -137,11 +136,10 @@ UNIT_TEST(what_is_added_later_replaces_what_was_made) {
 static float wall_behind_emissive(bool image) {
     static const char black[] = "P6\n1 1\n255\n\0\0\0";
     const fathom_texture texture = {.size = sizeof texture, .bytes = black, .byte_count = sizeof black - 1};
-    fathom_scene *scene;
     fathom_sphere ball = default_sphere();
     fathom_material m;
     fathom_material_default(&m);
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.emissive[0] = m.emissive[1] = m.emissive[2] = 1;
     if (image)
@@ -229,12 +227,11 @@ UNIT_TEST(a_room_is_lit_by_its_lamps_unless_they_are_dim) {
 /* A floor that only shows its colour lies under a wall: glTF's unlit material. As a lamp of the same
  * radiance, or a brighter one, it lights the wall. */
 static bool floor_leaves_studio(float specular, float radiance) {
-    fathom_scene *scene;
     fathom_material m = default_material();
     fathom_id id;
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = specular;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = radiance;
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
     add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1), id);
     add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
@@ -257,10 +254,9 @@ static const uint32_t slab[36] = {0, 2, 1, 1, 2, 3, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3
 static fathom_scene *open_telephone(float radiance, bool before_wall) {
     static const float corners[8][3] = {{0, 0, 0},   {1, 0, 0},   {0, 2, 0},   {1, 2, 0},
                                         {0, 0, .1f}, {1, 0, .1f}, {0, 2, .1f}, {1, 2, .1f}};
-    fathom_scene *scene;
     fathom_mesh mesh = default_mesh();
     fathom_instance instance = default_instance();
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_group(scene, "telephone", &instance.group));
     mesh.positions = corners[0], mesh.vertex_count = 8;
     mesh.indices = slab, mesh.triangle_count = 10;
@@ -289,9 +285,8 @@ UNIT_TEST(a_display_lights_what_it_faces_alone) {
  * studio. The lamp at a distance of ten radii sees 45 % of the ball; they get up to L pi 0.5^2 / 9^2. */
 UNIT_TEST(a_bright_part_alone_lights_no_model) {
     for (int lamp = 0; lamp < 2; ++lamp) {
-        fathom_scene *scene;
         fathom_sphere ball = default_sphere();
-        scene = new_scene(context);
+        fathom_scene *scene = new_scene(context);
         ball.radius = 1;
         assert_ok(context, fathom_scene_add_sphere(scene, FATHOM_ROOT, &ball, NULL));
         ball.center[1] = lamp ? 10 : 1.1, ball.radius = lamp ? 0.5 : 0.1;
@@ -308,10 +303,9 @@ UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
     static const float corners[8][3] = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {2, 2, 0},
                                         {0, 0, 2}, {2, 0, 2}, {0, 2, 2}, {2, 2, 2}};
     for (int inside = 0; inside < 2; ++inside) {
-        fathom_scene *scene;
         fathom_mesh mesh = default_mesh();
         fathom_camera camera;
-        scene = new_scene(context);
+        fathom_scene *scene = new_scene(context);
         mesh.positions = corners[0], mesh.vertex_count = 8;
         mesh.indices = slab, mesh.triangle_count = 12;
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
@@ -328,9 +322,8 @@ UNIT_TEST(a_room_is_lit_for_whoever_stands_in_it) {
 /* A mean over an infinite plane says nothing of its part next to the lamp. */
 UNIT_TEST(a_lamp_over_a_plane_lights_it) {
     for (int lamp = 0; lamp < 2; ++lamp) {
-        fathom_scene *scene;
         fathom_plane plane = default_plane();
-        scene = new_scene(context);
+        fathom_scene *scene = new_scene(context);
         plane.normal[1] = 1;
         assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));
         add_wall(scene, vec_f64(0, 3, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1),
@@ -345,9 +338,8 @@ UNIT_TEST(a_lamp_over_a_plane_lights_it) {
 UNIT_TEST(irradiance_of_small_squares_has_a_closed_form) {
     const double edge = 0.01, slope = 0.5 * sqrt(3);
     for (int tilted = 0; tilted < 2; ++tilted) {
-        fathom_scene *scene;
         double irradiance;
-        scene = new_scene(context);
+        fathom_scene *scene = new_scene(context);
         add_wall(scene, vec_f64(0, 0, 0), vec_f64(edge, 0, 0), vec_f64(0, edge, 0), add_emission(scene, 3));
         add_wall(scene, vec_f64(0, 0, 1), vec_f64(edge, 0, 0),
                  vec_f64(0, edge * (tilted ? 0.5 : 1), tilted ? edge * slope : 0), 0);

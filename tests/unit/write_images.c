@@ -6,14 +6,13 @@
 /* A material with two images: the colour's is in memory, and the roughness's a file of this name, or of the
  * other order. */
 static fathom_scene *wearing_two(const char *file, bool file_first) {
-    fathom_scene *scene;
     fathom_id id, ids[2];
     fathom_material m;
     fathom_texture inner, outer;
     fathom_texture_default(&inner), fathom_texture_default(&outer);
     inner.bytes = "\x89PNG\r\n inner", inner.byte_count = 12;
     outer.file = in_folder(file), outer.color_space = FATHOM_COLOR_LINEAR;
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     for (int i = 0; i < 2; ++i) {
         const bool is_file = (i == 0) == file_first;
         assert_ok(context, fathom_scene_add_texture(scene, is_file ? &outer : &inner, &ids[is_file]));
@@ -86,14 +85,12 @@ UNIT_TEST(obj_and_ply_name_images_whatever_they_are_called) {
         const char *name = names[i / 2], *out = i % 2 ? "a.obj" : "a.ply";
         fathom_texture file;
         fathom_material m;
-        fathom_scene *back;
         fathom_texture_default(&file), fathom_material_default(&m);
         m.maps[FATHOM_MAP_COLOR].texture = 0;
         file.file = in_folder(name);
         unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
         fathom_scene *scene = wearing(&m, &file);
-        assert_ok(context, fathom_scene_write(scene, in_folder(out)));
-        back = scene_of_file(context, in_folder(out));
+        fathom_scene *back = written(scene, out);
         assert_int_equal(back->textures.count, 1);
         assert_file(back->textures.items[0].file, "\x89PNG\r\n outer");
         unlink(back->textures.items[0].file);
@@ -108,9 +105,8 @@ UNIT_TEST(json_names_images_whatever_they_are_called) {
         const char *name = names[i / 2], *out = outs[i % 2];
         char copy[256];
         unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
-        fathom_scene *scene = wearing_two(name, false), *back;
-        assert_ok(context, fathom_scene_write(scene, in_folder(out)));
-        back = scene_of_file(context, in_folder(out));
+        fathom_scene *scene = wearing_two(name, false);
+        fathom_scene *back = written(scene, out);
         assert_file(file_of(back, FATHOM_MAP_ROUGHNESS), "\x89PNG\r\n outer");
         assert_file(file_of(back, FATHOM_MAP_COLOR), "\x89PNG\r\n inner");
         snprintf(copy, sizeof copy, "%s", file_of(back, FATHOM_MAP_ROUGHNESS));

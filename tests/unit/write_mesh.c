@@ -4,6 +4,7 @@
 #include "owned.h"
 #include "unit_folder.h"
 #include "write/write.h"
+#include "written.h"
 
 #include <fathom/read.h>
 #include <sys/stat.h>
@@ -141,8 +142,7 @@ static void check_same(const triangle *a, const triangle *b, bool colors, double
 
 /* Writes, reads back and compares as soups. */
 static void check_round_trip(const fathom_scene *scene, const char *name, bool colors) {
-    assert_ok(context, fathom_scene_write(scene, in_folder(name)));
-    fathom_scene *back = scene_of_file(context, in_folder(name));
+    fathom_scene *back = written(scene, name);
     soup a = make_soup(scene), b = make_soup(back);
     assert_int_equal(a.triangles.count, b.triangles.count);
     const double unit = strstr(name, ".glb") ? 0x1p-23 : 0;
@@ -173,10 +173,9 @@ UNIT_TEST(one_mesh_keeps_its_arrays) {
     const fathom_generator kinds[] = {FATHOM_GENERATE_SPHERE, FATHOM_GENERATE_TERRAIN};
     const char *const names[] = {"mesh.glb", "mesh.ply", "mesh.obj"};
     for (size_t i = 0; i < 6; ++i) {
-        fathom_scene *scene = generate(kinds[i / 3], 50000), *back;
+        fathom_scene *scene = generate(kinds[i / 3], 50000);
         const char *name = names[i % 3];
-        assert_ok(context, fathom_scene_write(scene, in_folder(name)));
-        back = scene_of_file(context, in_folder(name));
+        fathom_scene *back = written(scene, name);
         assert_int_equal(back->meshes.count, 1);
         const fathom_mesh *a = &scene->meshes.items[0], *b = &back->meshes.items[0];
         assert_int_equal(a->vertex_count, b->vertex_count);
@@ -293,7 +292,7 @@ UNIT_TEST(glb_has_unit_normals_and_tangents) {
                        tangents[12] = {2, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, -1};
     static const uint32_t indices[3] = {0, 1, 2};
     for (int k = 0; k < 2; ++k) {
-        fathom_scene *scene = new_scene(context), *back;
+        fathom_scene *scene = new_scene(context);
         fathom_mesh mesh = default_mesh();
         mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
         mesh.normals = normals, mesh.normal_count = 3, mesh.tangents = k ? tangents : NULL;
@@ -301,7 +300,7 @@ UNIT_TEST(glb_has_unit_normals_and_tangents) {
         forget_warnings();
         assert_ok(context, fathom_scene_write(scene, in_folder("a.glb")));
         assert_int_equal(warning_count, k);
-        back = scene_of_file(context, in_folder("a.glb"));
+        fathom_scene *back = scene_of_file(context, in_folder("a.glb"));
         const float expected[9] = {0, 0, 1, 0, 0.6f, 0.8f, 0.6f, 0, 0.8f};
         assert_memory_equal(back->meshes.items[0].normals, expected, sizeof expected);
         if (k) assert_true(back->meshes.items[0].tangents[0] == 1 && back->meshes.items[0].tangents[3] == 1);
@@ -315,12 +314,12 @@ UNIT_TEST(far_meshes_keep_their_digits_or_tell) {
     static const char *const names[] = {"far.glb", "far.obj", "far.ply"};
     const double far[3] = {4.5e6 + 0x1p-20, -5.2e6, 1.0 / 3};
     for (int k = 0; k < 3; ++k) {
-        fathom_scene *scene = new_scene(context), *back;
+        fathom_scene *scene = new_scene(context);
         add_tetra(scene, FATHOM_ROOT, PLAIN, far);
         forget_warnings();
         assert_ok(context, fathom_scene_write(scene, in_folder(names[k])));
         assert_int_equal(warning_count, k == 2);
-        back = scene_of_file(context, in_folder(names[k]));
+        fathom_scene *back = scene_of_file(context, in_folder(names[k]));
         scene_bounds a, b;
         assert_ok(context, scene_world_bounds(scene, &a));
         assert_ok(context, scene_world_bounds(back, &b));
@@ -334,8 +333,7 @@ UNIT_TEST(far_meshes_keep_their_digits_or_tell) {
 
 static const fathom_material *read_back(fathom_scene *scene, const char *name, const char *material,
                                         fathom_scene **back) {
-    assert_ok(context, fathom_scene_write(scene, in_folder(name)));
-    *back = scene_of_file(context, in_folder(name));
+    *back = written(scene, name);
     fathom_id id = find_material(*back, material);
     assert_int_not_equal(id, FATHOM_NONE);
     return &(*back)->materials.items[id].classic;

@@ -93,9 +93,8 @@ UNIT_TEST(names_are_words_and_differ) {
                                         "material_3", "a#b", "tab\there", "\xc3\xa9t\xc3\xa9"},
                                        {"red", "material_2", "material_13", "material_4", "material_5",
                                         "material_3", "material_7", "material_8", "\xc3\xa9t\xc3\xa9"}};
-    fathom_scene *scene;
     fathom_material material = default_material();
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     for (size_t i = 0; i < sizeof given / sizeof *given; ++i)
         assert_ok(context, fathom_scene_add_material(scene, given[i], &material, NULL));
     for (int words = 0; words < 2; ++words) {
@@ -350,12 +349,11 @@ UNIT_TEST(mtl_names_what_it_changes) {
 static void write_without_coordinates(bool by_instance) {
     static const char *const names[] = {"m.obj", "m.glb", "m.json"};
     const fathom_texture image = {.size = sizeof image, .bytes = "\x89PNG\r\n", .byte_count = 6};
-    fathom_scene *scene;
     fathom_material m = default_material();
     fathom_mesh mesh = two_triangles();
     fathom_instance instance = default_instance();
     fathom_id id, outer, group = FATHOM_ROOT;
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_texture(scene, &image, &m.maps[FATHOM_MAP_COLOR].texture));
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
     if (by_instance) {

@@ -4,6 +4,7 @@
 #include "owned.h"
 #include "unit_folder.h"
 #include "write/write.h"
+#include "written.h"
 
 #include <fathom/read.h>
 
@@ -11,11 +12,10 @@ static const double pi = 3.14159265358979323846;
 
 /* Directed: brushed along u, so that texture coordinates matter. */
 static fathom_scene *scene_with(bool directed) {
-    fathom_scene *scene;
     fathom_material m = default_material();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.metallic = 1, m.roughness = 0.5f;
     m.anisotropy = directed ? 0.5f : 0;
-    scene = new_scene(context);
+    fathom_scene *scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "m", &m, NULL));
     return scene;
 }
@@ -149,10 +149,8 @@ UNIT_TEST(shapes_are_read_back) {
     instance.transform[11] = 8;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        fathom_scene *back;
         scene_bounds box;
-        assert_ok(context, fathom_scene_write(scene, in_folder(names[i])));
-        back = scene_of_file(context, in_folder(names[i]));
+        fathom_scene *back = written(scene, names[i]);
         assert_int_equal(scene_triangles(back), (i ? 2 : 1) * (4 * 64 * 63 + 2));
         assert_ok(context, scene_world_bounds(back, &box));
         /* A file's floats near 1000 are 2^-14 apart. */
