@@ -53,6 +53,19 @@ max_length() { # target
     esac
 }
 
+# The words of a format: its keys, from its schema or its reader, and those of dictionaries.
+dictionary() { # target
+    keys=/dev/null lists=$1
+    case $1 in
+    scene_json) keys=scenes/fathom.schema.json ;;
+    gltf) keys=src/read/gltf ;;
+    glb) keys=src/read/gltf lists='gltf glb' ;;
+    wire) lists=reply ;;
+    esac
+    for list in $lists; do cat "tests/fuzz/dictionaries/$list.dict"; done
+    grep -rohE '"[A-Za-z0-9_$]+"' $keys | sort -u | sed 's/"\(.*\)"/"\\x22\1\\x22"\n"\\x22\1\\x22:"/'
+}
+
 # The large inputs of tests/fuzz/large.py, which not every target has, once; then as long as asked for from the corpus on.
 fuzz() { # target
     found=$build/found/$1
@@ -60,9 +73,10 @@ fuzz() { # target
     printf '%-14s %12s %8s  %s\n' "$1" - - LARGE >"$build/$1.row"
     # shellcheck disable=SC2086 # limits are words
     [ ! -d "$build/large/$1" ] || "$build/fuzz/fuzz_$1" $limits -artifact_prefix="$build/findings/$1-" "$build/large/$1"/* >"$build/$1.log" 2>&1 || return 0
+    dictionary "$1" >"$build/$1.dict"
     # shellcheck disable=SC2086
     "$build/fuzz/fuzz_$1" -max_total_time="$seconds" -max_len="$(max_length "$1")" $limits -print_final_stats=1 \
-        -dict="$source/tests/fuzz/dictionaries/$1.dict" -artifact_prefix="$build/findings/$1-" \
+        -dict="$build/$1.dict" -artifact_prefix="$build/findings/$1-" \
         "$found" "$source/tests/fuzz/corpus/$1" "$build/seeds/$1" >"$build/$1.log" 2>&1 && result=fine || result=FOUND
     executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$build/$1.log")
     edges=$(grep -o 'cov: [0-9]*' "$build/$1.log" | tail -n 1 | cut -c 6-)
