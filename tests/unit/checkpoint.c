@@ -286,9 +286,8 @@ UNIT_TEST(other_settings_are_refused) {
 }
 
 UNIT_TEST(the_key_has_every_setting_that_pixels_depend_on) {
-    fathom_settings plain, changed;
+    fathom_settings plain = default_settings(), changed;
     checkpoint_key before, after;
-    fathom_settings_default(&plain);
     checkpoint_key_of(&plain, 1, &before);
     for (size_t i = 0; i < settings_table.count; ++i) {
         const fathom_parameter *p = &settings_table.rows[i];

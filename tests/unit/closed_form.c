@@ -132,8 +132,7 @@ UNIT_TEST(fresnel_shares_do_not_jump_at_the_critical_angle) {
     fathom_camera camera = default_camera();
     camera.w = 4, camera.h = 4.0 / 4096;
     assert_ok(s.context, fathom_scene_set_camera(s.scene, &camera));
-    fathom_material glass, red, green;
-    fathom_material_default(&glass);
+    fathom_material glass = default_material(), red, green;
     for (int c = 0; c < 3; ++c) glass.k_d[c] = 0, glass.k_r[c] = 0.25f, glass.k_t[c] = 0.75f;
     glass.fresnel = true, red = green = glass;
     for (int c = 0; c < 3; ++c) red.k_r[c] = green.k_r[c] = red.k_t[c] = green.k_t[c] = 0;

@@ -87,11 +87,10 @@ UNIT_TEST(every_setting_reads_back_from_json) {
         {"crop", "1,2,300,400"},   {"target_error", "0.3"},     {"min_spp", "8"},        {"max_depth", "3"},
         {"min_weight", "0.001"},   {"aovs", "Z,albedo"}};
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i) {
-        fathom_settings given, got;
+        fathom_settings given = default_settings(), got;
         fathom_material plain = default_material();
         char text[2][256];
         size_t count;
-        fathom_settings_default(&given);
         if (strcmp(values[i][0], "pattern") == 0) given.target_error = 0;
         assert_ok(context, fathom_settings_set_text(context, &given, values[i][0], values[i][1]));
         if (strcmp(values[i][0], "integrator") == 0) fathom_settings_set_integrator(&given, given.integrator);

@@ -124,8 +124,7 @@ static int expect_eighths(void) {
 
 static void add_ball(float emission) {
     fathom_material m = default_material();
-    fathom_sphere ball;
-    fathom_sphere_default(&ball);
+    fathom_sphere ball = default_sphere();
     for (int c = 0; c < 3; ++c) m.k_e[c] = emission;
     assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &ball.material));
     ball.center[1] = 3;

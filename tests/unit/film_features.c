@@ -25,9 +25,7 @@ static const float *channel(const fathom_film *film, const char *layer, char c) 
 UNIT_TEST(normals_and_albedo_follow_smooth_surfaces) {
     stage s = open_paths(4, 4);
     s.settings.aovs = FATHOM_AOV_N | FATHOM_AOV_ALBEDO | FATHOM_AOV_Z;
-    fathom_material mirror, pane;
-    fathom_material_default(&mirror);
-    fathom_material_default(&pane);
+    fathom_material mirror = default_material(), pane = default_material();
     for (int c = 0; c < 3; ++c) mirror.k_d[c] = pane.k_d[c] = 0, mirror.k_r[c] = 0.5f, pane.k_t[c] = 1;
     pane.ior = 1;
     const fathom_id wall = stage_lambert(&s, 0.6f);
@@ -83,9 +81,7 @@ UNIT_TEST(albedo_and_alpha_of_holes_are_those_behind) {
 UNIT_TEST(a_mirror_shows_no_features_of_holes) {
     stage s = open_paths(16, 4);
     s.settings.aovs = FATHOM_AOV_N | FATHOM_AOV_ALBEDO;
-    fathom_material mirror, half;
-    fathom_material_default(&mirror);
-    fathom_material_default(&half);
+    fathom_material mirror = default_material(), half = default_material();
     half.model = FATHOM_MODEL_METALLIC_ROUGHNESS, half.specular_factor = half.metallic = 0,
     half.opacity = 0.5f;
     for (int c = 0; c < 3; ++c) mirror.k_d[c] = 0, mirror.k_r[c] = 0.5f, half.base_color[c] = 0.2f;

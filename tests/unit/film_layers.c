@@ -53,10 +53,7 @@ UNIT_TEST(each_bounce_of_a_furnace_is_where_it_belongs) {
 /* A room with all that light can do: lights with and without size, a background, glass, a mirror, a surface
  * that is there in part, and a shape without a shadow. */
 static void furnish_lit(stage *s, bool veil, bool lamp, bool sky, bool ball) {
-    fathom_material glass, mirror, half;
-    fathom_material_default(&glass);
-    fathom_material_default(&mirror);
-    fathom_material_default(&half);
+    fathom_material glass = default_material(), mirror = default_material(), half = default_material();
     for (int c = 0; c < 3; ++c) {
         glass.k_d[c] = 0, glass.k_t[c] = glass.k_r[c] = 1;
         mirror.k_d[c] = 0.1f, mirror.k_r[c] = 0.8f;

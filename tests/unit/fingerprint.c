@@ -14,16 +14,14 @@ static const uint32_t triangles[6] = {0, 1, 2, 2, 1, 3}, others[6] = {0, 1, 2, 2
 /* One of everything. */
 static int set_up(void **state) {
     (void)state;
-    fathom_material material;
-    fathom_light light;
-    fathom_sphere sphere;
-    fathom_quad quad;
-    fathom_plane plane;
-    fathom_mesh mesh;
+    fathom_material material = default_material();
+    fathom_light light = default_light();
+    fathom_sphere sphere = default_sphere();
+    fathom_quad quad = default_quad();
+    fathom_plane plane = default_plane();
+    fathom_mesh mesh = default_mesh();
     fathom_instance instance = default_instance();
     fathom_id group;
-    fathom_material_default(&material), fathom_light_default(&light), fathom_sphere_default(&sphere);
-    fathom_quad_default(&quad), fathom_plane_default(&plane), fathom_mesh_default(&mesh);
     mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
     mesh.normals = positions + 3, mesh.normal_count = 4, mesh.normal_indices = triangles;
     mesh.uvs = positions, mesh.uv_count = 4;

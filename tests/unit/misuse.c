@@ -220,15 +220,13 @@ UNIT_TEST(null_for_scenes) {
 UNIT_TEST(null_for_what_is_added) {
     stage s = stage_open(32, 32);
     fathom_id id = 77;
-    fathom_material material;
-    fathom_light light;
-    fathom_sphere sphere;
-    fathom_quad quad;
-    fathom_plane plane;
-    fathom_mesh mesh;
+    fathom_material material = default_material();
+    fathom_light light = default_light();
+    fathom_sphere sphere = default_sphere();
+    fathom_quad quad = default_quad();
+    fathom_plane plane = default_plane();
+    fathom_mesh mesh = default_mesh();
     fathom_instance instance = default_instance();
-    fathom_material_default(&material), fathom_light_default(&light), fathom_sphere_default(&sphere);
-    fathom_quad_default(&quad), fathom_plane_default(&plane), fathom_mesh_default(&mesh);
     refuses(fathom_scene_add_material(NULL, "a", &material, &id));
     names("material", fathom_scene_add_material(s.scene, "a", NULL, &id));
     refuses(fathom_scene_add_light(NULL, &light, &id));
@@ -281,8 +279,7 @@ UNIT_TEST(clouds_with_more_than_points) {
     static const float rows[16] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t indices[3] = {0, 1, 2};
     static const double time = 0;
-    fathom_mesh whole, m;
-    fathom_mesh_default(&whole);
+    fathom_mesh whole = default_mesh(), m;
     whole.positions = rows, whole.vertex_count = 3, whole.point_radius = 1;
     assert_ok(s.context, fathom_scene_add_mesh(s.scene, 0, &whole, NULL));
     const float radii[] = {-1, NAN, INFINITY};
@@ -335,8 +332,7 @@ UNIT_TEST(null_for_renders) {
     names("out", fathom_render(s.context, s.scene, &s.settings, NULL, NULL, &stats, NULL));
     assert_null(film);
     fathom_checkpoint_default(NULL);
-    fathom_checkpoint saving, nowhere;
-    fathom_checkpoint_default(&saving);
+    fathom_checkpoint saving = default_checkpoint(), nowhere;
     nowhere = saving, saving.path = "a.checkpoint";
     fathom_session_options_default(NULL);
     fathom_session_options options = default_session_options();

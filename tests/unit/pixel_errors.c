@@ -302,9 +302,8 @@ UNIT_TEST(black_pixels_know_the_brightest_colour_of_emission) {
     static const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, colors[9] = {1, 1, 1, 1, 7, 1, 1, 1, 1};
     static const uint32_t indices[3] = {0, 1, 2};
     stage s = stage_open(8, 8);
-    fathom_material m;
-    fathom_mesh mesh;
-    fathom_material_default(&m), fathom_mesh_default(&mesh);
+    fathom_material m = default_material();
+    fathom_mesh mesh = default_mesh();
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = 0;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = 3;
     mesh.positions = positions, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;

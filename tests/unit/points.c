@@ -65,8 +65,7 @@ static stage crowd(bool apart) {
     stage s = stage_open(48, 32);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.spp = 4, s.settings.target_error = 0, s.settings.aovs = FATHOM_AOV_MOTION | FATHOM_AOV_N;
-    fathom_material glass, glow;
-    fathom_material_default(&glass), fathom_material_default(&glow);
+    fathom_material glass = default_material(), glow = default_material();
     for (int c = 0; c < 3; ++c) glass.k_d[c] = 0, glass.k_r[c] = glass.k_t[c] = 1, glow.k_e[c] = 2;
     glass.fresnel = true;
     const fathom_id materials[] = {stage_lambert(&s, 0.7f), stage_material(&s, &glass),

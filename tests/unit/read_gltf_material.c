@@ -380,8 +380,7 @@ UNIT_TEST(alpha_modes_cover_their_part) {
 static void assert_shadow_by(fathom_integrator integrator, bool casts, const char *material) {
     char json[4096];
     fathom_scene *scene;
-    fathom_read_options asked;
-    fathom_read_options_default(&asked);
+    fathom_read_options asked = default_read_options();
     asked.choose_integrator = true, asked.integrator = integrator;
     snprintf(json, sizeof json,
              SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{'uri':'"

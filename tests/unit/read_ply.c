@@ -518,8 +518,7 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
     ROW(&m, "biiii", 4, 0, 1, 2, 3);
     read_mesh_options options = plain;
     fathom_texture texture = default_texture();
-    fathom_material material;
-    fathom_material_default(&material);
+    fathom_material material = default_material();
     texture.file = mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
     forget_warnings();
     fathom_scene *scene = new_scene(context);

@@ -138,8 +138,7 @@ UNIT_TEST(lights_that_leave_spheres_are_not_warned_of) {
         fixture f = open_scene();
         fathom_sphere sphere = default_sphere();
         fathom_material m = default_material();
-        fathom_light light;
-        fathom_light_default(&light);
+        fathom_light light = default_light();
         m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.transmission = 1, m.roughness = k == 1 ? 0.5f : 0;
         if (k > 1) m.transmission = 0;
         light.radius = k == 2 ? 2 : 0;

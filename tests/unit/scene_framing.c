@@ -251,9 +251,8 @@ UNIT_TEST(absent_shapes_are_not_framed) {
     const affine_f64 still = affine_identity();
     points p = {.count = 0};
     scene_bounds bounds;
-    fathom_material none;
-    fathom_sphere ball;
-    fathom_material_default(&none), fathom_sphere_default(&ball);
+    fathom_material none = default_material();
+    fathom_sphere ball = default_sphere();
     none.model = FATHOM_MODEL_METALLIC_ROUGHNESS, none.opacity = 0;
     ball.radius = 50, ball.flags = FATHOM_CASTS_NO_SHADOW;
     assert_ok(context, fathom_scene_add_material(scene, "none", &none, &ball.material));

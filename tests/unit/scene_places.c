@@ -111,9 +111,8 @@ UNIT_TEST(meshes_with_origins_of_their_own) {
 
 /* An instance's material stands for those of all it holds, planes too; the outermost wins. */
 UNIT_TEST(materials_of_instances) {
-    fathom_material red, blue;
+    fathom_material red = default_material(), blue;
     fathom_id red_id, blue_id;
-    fathom_material_default(&red);
     blue = red;
     assert_ok(context, fathom_scene_add_material(scene, "red", &red, &red_id));
     assert_ok(context, fathom_scene_add_material(scene, "blue", &blue, &blue_id));

@@ -46,9 +46,8 @@ UNIT_TEST(every_row_says_what_it_is_for) {
 }
 
 UNIT_TEST(defaults_are_allowed) {
-    fathom_settings s;
-    fathom_material m;
-    fathom_settings_default(&s), fathom_material_default(&m);
+    fathom_settings s = default_settings();
+    fathom_material m = default_material();
     assert_ok(context, scene_check_settings(context, &s));
     assert_ok(context, scene_check_material(context, &m));
     assert_true(s.width == 1280 && s.height == 720 && s.spp == 1024 && s.max_depth == 16 && s.terminator_fix);
@@ -101,9 +100,8 @@ UNIT_TEST(text_goes_out_as_it_came_in) {
 
 UNIT_TEST(defaults_go_through_text) {
     EACH(p) {
-        fathom_settings a, b;
+        fathom_settings a = default_settings(), b;
         char out[128], wrong[PARAMETER_WRONG];
-        fathom_settings_default(&a);
         memset(&b, 0x55, sizeof b);
         if (p->type == FATHOM_PARAMETER_TEXT) continue;
         assert_ok(context, fathom_settings_get_text(context, &a, p->name, out, sizeof out));
@@ -130,8 +128,7 @@ UNIT_TEST(wrong_text_changes_nothing) {
         {"block_width", "2", "block width: expected 1|4|8|16"},
         {"tile_size", "48", "tile size: expected a whole number from 32 to 65536, a multiple of 32"}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        fathom_settings s, before;
-        fathom_settings_default(&s);
+        fathom_settings s = default_settings(), before;
         before = s;
         assert_fails(context, fathom_settings_set_text(context, &s, wrong[i][0], wrong[i][1]),
                      FATHOM_BAD_INPUT, wrong[i][2]);

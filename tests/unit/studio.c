@@ -113,10 +113,9 @@ UNIT_TEST(only_models_without_light_stand_in_it) {
 /* A light, a background and a camera that follow complete() replace its own, in the image and in files. */
 UNIT_TEST(what_is_added_later_replaces_what_was_made) {
     float seen[3], behind[3];
-    fathom_light light;
-    fathom_camera camera;
+    fathom_light light = default_light();
+    fathom_camera camera = default_camera();
     fathom_scene *scene, *again;
-    fathom_light_default(&light), fathom_camera_default(&camera);
     light.position[2] = camera.origin[2] = 5;
     for (int later = 0; later < 2; ++later) {
         scene = open_ball();
@@ -137,8 +136,7 @@ static float wall_behind_emissive(bool image) {
     static const char black[] = "P6\n1 1\n255\n\0\0\0";
     const fathom_texture texture = {.size = sizeof texture, .bytes = black, .byte_count = sizeof black - 1};
     fathom_sphere ball = default_sphere();
-    fathom_material m;
-    fathom_material_default(&m);
+    fathom_material m = default_material();
     fathom_scene *scene = new_scene(context);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.emissive[0] = m.emissive[1] = m.emissive[2] = 1;

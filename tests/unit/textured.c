@@ -326,7 +326,7 @@ static bool is_mirrored(lies how) { return how == LIES_MIRRORED || how == LIES_S
 static void add_mapped(stage *s, lies how, fathom_id material) {
     square q;
     fathom_id group;
-    fathom_instance instance;
+    fathom_instance instance = default_instance();
     if (how == LIES_QUAD) {
         add_square(s, material);
         return;
@@ -342,7 +342,6 @@ static void add_mapped(stage *s, lies how, fathom_id material) {
     }
     assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &q.mesh, NULL));
-    fathom_instance_default(&instance);
     instance.group = group, instance.transform[0] = -1;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));
 }
@@ -400,8 +399,7 @@ static float lit_by_sun(const fathom_material *from, int map, const unsigned cha
 UNIT_TEST(a_coat_has_its_own_normal) {
     static const unsigned char tilted[3] = {170, 100, 230};
     static const double to_light[3][3] = {{0, 0, 1}, {0.48, -0.36, 0.8}, {0.64, 0.48, 0.6}};
-    fathom_material coat, dielectric;
-    fathom_material_default(&coat);
+    fathom_material coat = default_material(), dielectric;
     coat.model = FATHOM_MODEL_METALLIC_ROUGHNESS, coat.multiscatter = false;
     for (int c = 0; c < 3; ++c) coat.base_color[c] = 0;
     dielectric = coat, dielectric.roughness = 0.6f, dielectric.metallic = 0;

@@ -100,9 +100,7 @@ static double lit_by(const fathom_material *from, bool leans, unsigned lamps) {
  * lamps. A lamp of light a that is taken with a probability p adds a / p; the deviation is at most a + b if
  * both p are above 0.2, as for these lamps, which are equally far up to a factor of 1.1. */
 UNIT_TEST(lamps_behind_a_shading_normal_add_up) {
-    fathom_material coat, lambert;
-    fathom_material_default(&coat);
-    fathom_material_default(&lambert);
+    fathom_material coat = default_material(), lambert = default_material();
     coat.model = FATHOM_MODEL_METALLIC_ROUGHNESS, coat.multiscatter = false;
     coat.specular_factor = coat.metallic = 0, coat.clearcoat = 1, coat.clearcoat_roughness = 0.7f;
     for (int c = 0; c < 3; ++c) coat.base_color[c] = 0;
@@ -144,8 +142,7 @@ UNIT_TEST(no_normal_map_makes_metal_black) {
 /* Reflecting facets of a reflectance of 1e-6 do not change what the map's normal does to Lambert's lobe. In
  * the white room 16384 samples deviate by less than 0.4 each: 0.02 is six standard errors. */
 UNIT_TEST(lamberts_lobe_takes_the_normal_of_the_map) {
-    fathom_material plain, facets;
-    fathom_material_default(&plain);
+    fathom_material plain = default_material(), facets;
     plain.metallic = plain.specular_factor = 0;
     facets = plain, facets.specular_factor = 1e-6f;
     const double expected = lit_along(&plain, false);

@@ -7,9 +7,8 @@
  * other order. */
 static fathom_scene *wearing_two(const char *file, bool file_first) {
     fathom_id id, ids[2];
-    fathom_material m;
-    fathom_texture inner, outer;
-    fathom_texture_default(&inner), fathom_texture_default(&outer);
+    fathom_material m = default_material();
+    fathom_texture inner = default_texture(), outer = default_texture();
     inner.bytes = "\x89PNG\r\n inner", inner.byte_count = 12;
     outer.file = in_folder(file), outer.color_space = FATHOM_COLOR_LINEAR;
     fathom_scene *scene = new_scene(context);
@@ -17,7 +16,6 @@ static fathom_scene *wearing_two(const char *file, bool file_first) {
         const bool is_file = (i == 0) == file_first;
         assert_ok(context, fathom_scene_add_texture(scene, is_file ? &outer : &inner, &ids[is_file]));
     }
-    fathom_material_default(&m);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
     m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = ids[0], .transform = {1, 0, 0, 0, 1, 0}};
     m.maps[FATHOM_MAP_ROUGHNESS] =
@@ -83,9 +81,8 @@ UNIT_TEST(obj_and_ply_name_images_whatever_they_are_called) {
                                         "b b#.png",   "-",      "b.",     "a # b.png"};
     for (size_t i = 0; i < 2 * sizeof names / sizeof *names; ++i) {
         const char *name = names[i / 2], *out = i % 2 ? "a.obj" : "a.ply";
-        fathom_texture file;
-        fathom_material m;
-        fathom_texture_default(&file), fathom_material_default(&m);
+        fathom_texture file = default_texture();
+        fathom_material m = default_material();
         m.maps[FATHOM_MAP_COLOR].texture = 0;
         file.file = in_folder(name);
         unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);

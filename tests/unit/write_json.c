@@ -13,15 +13,15 @@ UNIT_TEST(numbers_out_of_range_become_the_nearest_with_a_warning) {
         "\"colors\" in [0, 1e+30]",         "\"opacities\" in [0, 1]",
         "\"positions\" in [-1e+30, 1e+30]", "\"pointRadius\" in [1e-30, 1e+30]"};
     const float far[3] = {2e30f, 0, -1e30f}, bright[3] = {1e31f, 0.1f, 0};
-    fathom_material m;
+    fathom_material m = default_material();
     fathom_mesh mesh = triangle(0), point;
-    fathom_light light;
-    fathom_settings settings;
-    fathom_material_default(&m), m.k_d[0] = 1.5f, m.k_e[0] = 1e30f;
+    fathom_light light = default_light();
+    fathom_settings settings = default_settings();
+    m.k_d[0] = 1.5f, m.k_e[0] = 1e30f;
     fathom_scene *scene = wearing(&m, NULL);
     fathom_mesh_default(&point), point.positions = far, point.vertex_count = 1, point.point_radius = 1e-31f;
-    fathom_light_default(&light), light.radius = 1e20f;
-    fathom_settings_default(&settings), settings.seed = UINT64_MAX;
+    light.radius = 1e20f;
+    settings.seed = UINT64_MAX;
     mesh.colors = colors, mesh.color_channels = 4;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &point, NULL));
@@ -72,8 +72,8 @@ UNIT_TEST(images_of_numbers_are_linear_unless_their_space_is_given) {
 /* The red of a sphere's middle, for a classic material that also has numbers of the other model. */
 static float render_with(float opacity, float cutoff) {
     stage s = stage_open(3, 3);
-    fathom_material m;
-    fathom_material_default(&m), m.opacity = opacity, m.opacity_cutoff = cutoff;
+    fathom_material m = default_material();
+    m.opacity = opacity, m.opacity_cutoff = cutoff;
     assert_ok(s.context, fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH));
     s.settings.spp = 4, s.settings.target_error = 0;
     stage_camera(&s, (double[3]){0, 0, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.2);
