@@ -57,6 +57,17 @@ static inline void *unit_memory(size_t bytes) {
     return memory;
 }
 
+/* A text as printf() makes it. */
+__attribute__((format(printf, 1, 2))) static inline const char *unit_text(const char *format, ...) {
+    char *text;
+    va_list arguments;
+    va_start(arguments, format);
+    assert_true(vasprintf(&text, format, arguments) >= 0);
+    va_end(arguments);
+    unit_own(text, free);
+    return text;
+}
+
 static int (*unit_each_teardown)(void **state); /* of each test; NULL: none */
 static size_t unit_group_things;                /* of the set-up of all tests, which end with the last test */
 

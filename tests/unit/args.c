@@ -119,8 +119,7 @@ UNIT_TEST(whole_numbers_are_whole) {
                                         "1e2", "0x10",  "12x",   " 12", "12 ", "one",
                                         "nan", "1,000", "1 0",   "٣",   "1\n", "18446744073709551617"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        char text[64];
-        snprintf(text, sizeof text, "--spp=%s", wrong[i]);
+        const char *text = unit_text("--spp=%s", wrong[i]);
         assert_wrong(text, NULL, "--spp: expected a whole number from 1 to 65536, found");
         assert_int_equal(got.spp, 7);
     }
@@ -159,8 +158,7 @@ UNIT_TEST(counts_make_lists) {
     assert_true(got.counts.items[0] == 1 && got.counts.items[1] == 20000 && got.counts.items[2] == 300);
     static const char *const wrong[] = {"", "1,", ",1", "1,,2", "1;2", "1,x"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        char text[64];
-        snprintf(text, sizeof text, "--counts=%s", wrong[i]);
+        const char *text = unit_text("--counts=%s", wrong[i]);
         assert_wrong(text, NULL, "--counts: expected a whole number from 1 to 100000000000");
         assert_int_equal(got.counts.count, 0);
     }
@@ -196,8 +194,7 @@ UNIT_TEST(numbers_are_decimal_and_finite) {
     static const char *const wrong[] = {"",    "-1", "10.1", "1e999", "nan", "inf", "0x1p-3",
                                         "1,5", "1e", ".",    "1.5x",  " 1",  "1 ",  "e5"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        char text[64];
-        snprintf(text, sizeof text, "--epsilon=%s", wrong[i]);
+        const char *text = unit_text("--epsilon=%s", wrong[i]);
         assert_wrong(text, NULL, "--epsilon: expected a number from 0 to 10, found");
     }
 }

@@ -414,10 +414,8 @@ UNIT_TEST(scene_json_survives_conversion) {
                                         "tour/08-spot-lights.json", "tour/20-camera.json",
                                         "tour/21-instances.json"};
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
-        char path[1024];
         fathom_scene *scene, *back;
-        snprintf(path, sizeof path, "%s/scenes/%s", SOURCE_DIR, files[i]);
-        scene = scene_of_file(context, path);
+        scene = scene_of_file(context, unit_text("%s/scenes/%s", SOURCE_DIR, files[i]));
         back = written(scene, "a.json");
         check_same_render(scene, back, files[i]);
     }

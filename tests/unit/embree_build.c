@@ -165,8 +165,7 @@ UNIT_TEST(frames_beyond_float_are_refused) {
         stage_open(&s);
         fill_scaled(&s, cases[i].radius, cases[i].scale, cases[i].shift);
         assert_fails(s.context, reach_check(s.context, s.world), FATHOM_BAD_INPUT, cases[i].message);
-        char message[512];
-        snprintf(message, sizeof message, "%s", fathom_context_message(s.context));
+        const char *message = unit_text("%s", fathom_context_message(s.context));
         trace_options options = {.words = "embree", .width = 16, .threads = 1};
         trace_tracer *tracer;
         assert_fails(s.context, trace_create(s.context, s.world, &options, &tracer), FATHOM_BAD_INPUT,

@@ -295,8 +295,7 @@ static void exit_7(int number) {
 UNIT_TEST(other_bus_errors_reach_their_handler) {
     guard();
     for (int way = 0; way < 2; ++way) {
-        char name[64];
-        snprintf(name, sizeof name, "%s", in_folder("foreign"));
+        const char *name = unit_text("%s", in_folder("foreign"));
         fflush(NULL);
         pid_t child = fork();
         assert_true(child >= 0);

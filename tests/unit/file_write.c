@@ -171,9 +171,8 @@ UNIT_TEST(a_new_file_keeps_the_old_rights) {
 /* A name that others could foresee: the file that they put there is not written to, nor what leads elsewhere.
  */
 UNIT_TEST(predicted_temporary_names_are_harmless) {
-    char name[64], other[400];
-    snprintf(name, sizeof name, "a.fathom-tmp%ld.bin", (long)getpid());
-    snprintf(other, sizeof other, "%s", in_folder("other"));
+    const char *name = unit_text("a.fathom-tmp%ld.bin", (long)getpid());
+    const char *other = unit_text("%s", in_folder("other"));
     for (int symbolic = 0; symbolic < 2; ++symbolic) {
         FILE *file = fopen(other, "w");
         assert_true(fputs("precious", file) >= 0 && fclose(file) == 0);
@@ -188,8 +187,7 @@ UNIT_TEST(predicted_temporary_names_are_harmless) {
 }
 
 UNIT_TEST(a_link_is_replaced_and_its_target_stays) {
-    char other[400];
-    snprintf(other, sizeof other, "%s", in_folder("other"));
+    const char *other = unit_text("%s", in_folder("other"));
     static const char *const targets[] = {"other", "nowhere", "a.bin"}; /* one leads to itself */
     for (size_t i = 0; i < sizeof targets / sizeof *targets; ++i) {
         make(other);
@@ -219,8 +217,7 @@ UNIT_TEST(the_longest_file_names_work) {
         assert_ok(context, file_writer_open(context, path, &writer));
         const char *temporary = file_writer_temporary(writer);
         assert_string_equal(temporary + strlen(temporary) - 4, ".exr");
-        char kept[400];
-        snprintf(kept, sizeof kept, "%s", temporary);
+        const char *kept = unit_text("%s", temporary);
         assert_true(strchr("x\xa4", strstr(kept, ".fathom")[-1])); /* no half of a letter */
         assert_ok(context, file_writer_commit(writer));
         make(kept);

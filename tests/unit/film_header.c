@@ -169,8 +169,7 @@ UNIT_TEST(only_an_interrupted_film_says_so) {
                      FATHOM_INTERRUPTED);
     assert_true(stats.finished >= 0 && stats.finished < 1);
     bytes b = write_and_read(&s, film, false);
-    char text[32];
-    snprintf(text, sizeof text, "%.4f", stats.finished);
+    const char *text = unit_text("%.4f", stats.finished);
     const char *share = find(&b, "fathom:finished\0string", 23);
     assert_non_null(share);
     assert_memory_equal(share + 23 + 4, text, strlen(text));

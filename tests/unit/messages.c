@@ -90,9 +90,8 @@ UNIT_TEST(reading_leaves_no_message) {
     static const char *const files[] = {"scenes/example.json", "scenes/example.obj",
                                         "scenes/first-render.json"};
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
-        char path[1024];
         fathom_scene *scene;
-        snprintf(path, sizeof path, "%s/%s", SOURCE_DIR, files[i]);
+        const char *path = unit_text("%s/%s", SOURCE_DIR, files[i]);
         assert_quiet(context, fathom_scene_read(context, path, &scene));
         assert_quiet(context, fathom_scene_check_files(scene));
         fathom_scene_destroy(scene);

@@ -488,10 +488,9 @@ UNIT_TEST(every_call_is_here) {
             const char *open = strchr(at, '('), *name = open;
             while (name[-1] == '_' || (name[-1] >= 'a' && name[-1] <= 'z')) --name;
             /* fathom_x_sized() is what fathom_x() calls. */
-            char call[64];
             int length = (int)(open - name);
             if (length > 6 && strncmp(open - 6, "_sized", 6) == 0) length -= 6;
-            snprintf(call, sizeof call, "%.*s(", length, name);
+            const char *call = unit_text("%.*s(", length, name);
             if (!strstr(text, call)) fail_msg("%s) is given NULL nowhere", call);
             at = open;
         }

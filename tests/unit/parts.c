@@ -23,9 +23,7 @@ static int set_up(void **state) {
     (void)state;
     exposure = NULL;
     for (int i = 0; i < PARTS_MAX; ++i) {
-        char name[16];
-        snprintf(name, sizeof name, "%d.part", i + 1);
-        snprintf(paths[i], sizeof paths[i], "%s", in_folder(name));
+        snprintf(paths[i], sizeof paths[i], "%s", in_folder(unit_text("%d.part", i + 1)));
         names[i] = paths[i];
     }
     st = stage_open(106, 70);

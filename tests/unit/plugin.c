@@ -120,9 +120,8 @@ UNIT_TEST(other_shapes_are_refused) {
         cloud.positions = (const float[]){0, 0, 0, 0, 0, 0, 0}, cloud.vertex_count = 1,
         cloud.point_radius = 1;
         if (i == 3) assert_ok(s.context, fathom_scene_add_mesh(s.scene, FATHOM_ROOT, &cloud, NULL));
-        char message[64];
-        snprintf(message, sizeof message, "takes only triangles, and the scene has %s", names[i]);
-        refused(&s, LIBRARY("correct"), FATHOM_BAD_USAGE, message);
+        refused(&s, LIBRARY("correct"), FATHOM_BAD_USAGE,
+                unit_text("takes only triangles, and the scene has %s", names[i]));
     }
 }
 

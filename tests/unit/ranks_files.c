@@ -105,9 +105,8 @@ static void put_text(const char *name, const char *text) {
 static void assert_gone(const char *path) { assert_int_not_equal(access(path, F_OK), 0); }
 
 static void remove_got(char *copies) {
-    char kept[256];
     assert_non_null(copies);
-    snprintf(kept, sizeof kept, "%s", copies);
+    const char *kept = unit_text("%s", copies);
     fathom_ranks_remove(copies);
     assert_gone(kept);
 }
@@ -120,7 +119,7 @@ static void remove_got(char *copies) {
 UNIT_TEST(files_come_whole_with_their_folders) {
     pair p;
     fathom_scene *got;
-    char *copies, path[256];
+    char *copies;
     const size_t most = 2 * PIECE + 5000;
     char *text = malloc(most + 128), *back = malloc(most + 128);
     assert_true(text && back);
@@ -137,8 +136,7 @@ UNIT_TEST(files_come_whole_with_their_folders) {
     assert_int_equal(got->meshes.items[0].triangle_count, 1);
     assert_int_not_equal(find_material(got, "red"), FATHOM_NONE);
     assert_int_equal(p.asked, 1 + 3 + 1);
-    snprintf(path, sizeof path, "%s/meshes/t..obj", copies);
-    FILE *file = fopen(path, "rb");
+    FILE *file = fopen(unit_text("%s/meshes/t..obj", copies), "rb");
     assert_non_null(file);
     assert_int_equal(fread(back, 1, most + 128, file), size);
     assert_memory_equal(back, text, size);

@@ -48,10 +48,8 @@ UNIT_TEST(files_are_closed_after_reading) {
 UNIT_TEST(indices_of_every_width_are_read) {
     const int orders[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
     for (int i = 0; i < 3; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':%d}]}]"), i + 1);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(unit_text(
+            SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'indices':%d}]}]"), i + 1));
         assert_is_triangle(scene, 0, orders[i]);
     }
     fathom_scene *scene = read_triangle(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}]"));
@@ -133,13 +131,12 @@ UNIT_TEST(strips_and_fans_keep_their_winding) {
         double area;
     } cases[] = {{0, 5, 4, 2}, {1, 6, 3, 1.5}};
     for (int i = 0; i < 2; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 "{" ASSET ",'buffers':[{'byteLength':132}],'bufferViews':[{'buffer':0,'byteLength':132}],"
-                 "'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':6},"
-                 "{'bufferView':0,'byteOffset':72,'componentType':5126,'type':'VEC3','count':5}],"
-                 "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'mode':%d}]}]}",
-                 cases[i].accessor, cases[i].mode);
+        const char *json = unit_text(
+            "{" ASSET ",'buffers':[{'byteLength':132}],'bufferViews':[{'buffer':0,'byteLength':132}],"
+            "'accessors':[{'bufferView':0,'componentType':5126,'type':'VEC3','count':6},"
+            "{'bufferView':0,'byteOffset':72,'componentType':5126,'type':'VEC3','count':5}],"
+            "'meshes':[{'primitives':[{'attributes':{'POSITION':%d},'mode':%d}]}]}",
+            cases[i].accessor, cases[i].mode);
         write_glb(json, &data, sizeof data);
         fathom_scene *scene = read_file();
         assert_int_equal(scene->meshes.items[0].triangle_count, cases[i].triangles);
@@ -203,14 +200,12 @@ UNIT_TEST(base64_buffers_are_decoded) {
     for (size_t extra = 0; extra < 3; ++extra) {
         unsigned char bytes[128] = {0};
         memcpy(bytes, &triangle, sizeof triangle);
-        char text[256], json[4096];
+        char text[256];
         encode_base64(bytes, sizeof triangle + extra, text);
-        snprintf(json, sizeof json,
-                 "{" ASSET
-                 ",'buffers':[{'byteLength':%zu,'uri':'data:application/octet-stream;base64,%s'}]," VIEWS
-                 "," ACCESSORS "," TRIANGLE_MESH "}",
-                 sizeof triangle + extra, text);
-        write_gltf(json);
+        write_gltf(unit_text(
+            "{" ASSET ",'buffers':[{'byteLength':%zu,'uri':'data:application/octet-stream;base64,%s'}]," VIEWS
+            "," ACCESSORS "," TRIANGLE_MESH "}",
+            sizeof triangle + extra, text));
         fathom_scene *scene = read_file();
         assert_is_triangle(scene, 0, (const int[3]){0, 1, 2});
     }

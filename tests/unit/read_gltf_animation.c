@@ -268,9 +268,7 @@ UNIT_TEST(weights_of_all_sets_count_by_their_sum) {
               weights = PUT_FLOATS(&b, "VEC4", 3, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0),
               others = PUT_BYTES(&b, "VEC4", 3, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0),
               more = PUT_FLOATS(&b, "VEC4", 3, 0, 0, 0, 0, 1, 1, 0.5f, 0.5f, 0, 0, 0, 0);
-    char sets[64];
-    snprintf(sets, sizeof sets, ",'JOINTS_1':%d,'WEIGHTS_1':%d", others, more);
-    write_skin(&b, joints, weights, sets, "");
+    write_skin(&b, joints, weights, unit_text(",'JOINTS_1':%d,'WEIGHTS_1':%d", others, more), "");
     fathom_scene *scene = read_file();
     assert_vec(placed_corner(scene, 0, 0, 0), 10, 0, 0, 1e-6);
     assert_vec(placed_corner(scene, 0, 0, 1), 0.25 * 11 + 0.75 * 9, 3, 0, 1e-6);

@@ -29,9 +29,7 @@ static const uint8_t draco[] = {
     "'KHR_draco_mesh_compression':{'bufferView':0,'attributes':{'POSITION':%d,'COLOR_0':1}}}}]}]}"
 
 static void write_draco(const void *bytes, size_t size, int points, int id) {
-    char json[2048];
-    snprintf(json, sizeof json, DRACO_MESH, size, size, points, id);
-    write_glb(json, bytes, size);
+    write_glb(unit_text(DRACO_MESH, size, size, points, id), bytes, size);
 }
 
 static bool has_draco(void) {
@@ -118,10 +116,9 @@ UNIT_TEST(draco_colours_of_bytes_are_divided_once) {
     if (!has_draco()) skip();
     for (unsigned i = 0; i < 4; ++i) {
         uint8_t bytes[sizeof draco];
-        char json[2048];
         memcpy(bytes, draco, sizeof draco);
         bytes[NORMALIZED_AT] = i & 1;
-        snprintf(json, sizeof json, DRACO_MESH, sizeof bytes, sizeof bytes, 4, 0);
+        const char *json = unit_text(DRACO_MESH, sizeof bytes, sizeof bytes, 4, 0);
         if (i & 2) memset(strstr(json, "'normalized':true,"), ' ', 18);
         write_glb(json, bytes, sizeof bytes);
         assert_corner();
@@ -194,12 +191,10 @@ UNIT_TEST(broken_draco_is_refused) {
 
 /* Writes the mesh with one piece of its JSON replaced. */
 static void assert_changed_is_refused(const char *from, const char *to, const char *text) {
-    char json[2048], changed[2048];
-    snprintf(json, sizeof json, DRACO_MESH, sizeof draco, sizeof draco, 4, 0);
+    const char *json = unit_text(DRACO_MESH, sizeof draco, sizeof draco, 4, 0);
     char *at = strstr(json, from);
     assert_non_null(at);
-    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json, to, at + strlen(from));
-    write_glb(changed, draco, sizeof draco);
+    write_glb(unit_text("%.*s%s%s", (int)(at - json), json, to, at + strlen(from)), draco, sizeof draco);
     assert_bad_input(text);
 }
 

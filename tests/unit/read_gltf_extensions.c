@@ -9,11 +9,9 @@ UNIT_TEST(facts_may_be_required) {
 
 /* A triangle whose material uses this extension, which the file does not require. */
 static unsigned notes_on(const char *extension) {
-    char json[4096];
-    snprintf(json, sizeof json,
-             WITH_DATA(TRIANGLE_MESH ",'extensionsUsed':['%s'],'materials':[{'extensions':{'%s':{}}}]"),
-             extension, extension);
-    read_triangle(json);
+    read_triangle(
+        unit_text(WITH_DATA(TRIANGLE_MESH ",'extensionsUsed':['%s'],'materials':[{'extensions':{'%s':{}}}]"),
+                  extension, extension));
     return warning_count;
 }
 
@@ -46,8 +44,7 @@ UNIT_TEST(extensions_that_change_an_image_say_what_is_shown) {
                  {"CESIUM_primitive_outline", "outlines are not drawn"},
                  {"VRMC_materials_mtoon", "materials have glTF's own parameters alone"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char expected[128];
-        snprintf(expected, sizeof expected, "materials[0]: the extension %s is ignored: ", cases[i].name);
+        const char *expected = unit_text("materials[0]: the extension %s is ignored: ", cases[i].name);
         assert_int_equal(notes_on(cases[i].name), 1);
         if (!strstr(warned, expected) || !strstr(warned, cases[i].shown)) fail_msg("%s", warned);
     }
@@ -57,12 +54,11 @@ UNIT_TEST(extensions_that_change_an_image_are_refused_by_name_when_required) {
     static const char *const names[] = {"KHR_gaussian_splatting", "KHR_texture_procedurals",
                                         "KHR_accessor_float64", "EXT_texture_astc", "A_b"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        char json[4096], expected[256];
-        snprintf(json, sizeof json, WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['%s']"), names[i]);
-        snprintf(expected, sizeof expected,
-                 "extensionsRequired[0]: the file cannot be read without the extension \"%s\", which is not "
-                 "supported; export it without",
-                 names[i]);
+        const char *json = unit_text(WITH_DATA(TRIANGLE_MESH ",'extensionsRequired':['%s']"), names[i]);
+        const char *expected = unit_text(
+            "extensionsRequired[0]: the file cannot be read without the extension \"%s\", which is not "
+            "supported; export it without",
+            names[i]);
         write_triangle(json);
         assert_bad_input(expected);
     }

@@ -91,12 +91,10 @@ UNIT_TEST(samplers_are_followed) {
         {"'minFilter':9985", FATHOM_WRAP_REPEAT, FATHOM_WRAP_REPEAT, FATHOM_TEXTURE_TRILINEAR, 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 MATERIAL(COLOR("") ",'emissiveFactor':[1,1,1],'emissiveTexture':{'index':1}",
-                          "'samplers':[{%s}],'textures':[{'source':0,'sampler':0},{'source':0}]"),
-                 cases[i].sampler);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(
+            unit_text(MATERIAL(COLOR("") ",'emissiveFactor':[1,1,1],'emissiveTexture':{'index':1}",
+                               "'samplers':[{%s}],'textures':[{'source':0,'sampler':0},{'source':0}]"),
+                      cases[i].sampler));
         const fathom_material *m = &scene->materials.items[1].value;
         const fathom_texture *t = &scene->textures.items[m->maps[FATHOM_MAP_COLOR].texture],
                              *other = &scene->textures.items[m->maps[FATHOM_MAP_EMISSIVE].texture];

@@ -8,12 +8,9 @@ static const double pi = 3.14159265358979324;
 
 /* The scene's first material of its own; everything else is as in the file. */
 static scene_named_material read_both(const char *material) {
-    char json[4096];
-    snprintf(
-        json, sizeof json,
+    fathom_scene *scene = read_triangle(unit_text(
         SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{%s}]"),
-        material);
-    fathom_scene *scene = read_triangle(json);
+        material));
     assert_int_equal(scene->materials.count, 2);
     assert_int_equal(scene->meshes.items[0].material, 1);
     scene_named_material out = scene->materials.items[1];
@@ -24,12 +21,9 @@ static scene_named_material read_both(const char *material) {
 static fathom_material read_material(const char *material) { return read_both(material).classic; }
 
 static fathom_material read_factors(double base, double metallic, double roughness, const char *more) {
-    char text[2048];
-    snprintf(
-        text, sizeof text,
+    return read_material(unit_text(
         "'pbrMetallicRoughness':{'baseColorFactor':[%g,%g,%g,1],'metallicFactor':%g,'roughnessFactor':%g}%s",
-        base, base / 2, base / 4, metallic, roughness, more);
-    return read_material(text);
+        base, base / 2, base / 4, metallic, roughness, more));
 }
 
 /* The integral of (n·h)^n cos over the light's directions, seen head on: h lies half way between normal and
@@ -78,12 +72,11 @@ UNIT_TEST(no_material_makes_light) {
     for (int i = 0; i < 1024; ++i) {
         double base = values[i % 4], metallic = values[i / 4 % 4], roughness = values[i / 16 % 4],
                transmission = values[i / 64 % 4], ior = iors[i / 256];
-        char more[256];
-        snprintf(more, sizeof more,
-                 ",'alphaMode':'%s','extensions':{'KHR_materials_ior':{'ior':%g},"
-                 "'KHR_materials_transmission':{'transmissionFactor':%g}}",
-                 i % 3 ? "OPAQUE" : "BLEND", ior, transmission);
-        fathom_material m = read_factors(base, metallic, roughness, more);
+        fathom_material m =
+            read_factors(base, metallic, roughness,
+                         unit_text(",'alphaMode':'%s','extensions':{'KHR_materials_ior':{'ior':%g},"
+                                   "'KHR_materials_transmission':{'transmissionFactor':%g}}",
+                                   i % 3 ? "OPAQUE" : "BLEND", ior, transmission));
         double fresnel = normal_reflectance((double)m.ior);
         assert_true(m.shininess >= 1 && m.shininess <= 1e6f && m.ior > 0);
         for (int c = 0; c < 3; ++c) {
@@ -165,19 +158,16 @@ UNIT_TEST(specular_glossiness_keeps_its_colour) {
 
 /* A texture without its image is taken as one even value: no silhouette, no mirror, no glass all over. */
 UNIT_TEST(textures_without_images_become_even_values) {
-    char json[8192];
     const char *all =
         "'pbrMetallicRoughness':{'baseColorTexture':{'index':0},'metallicRoughnessTexture':{'index':0}},"
         "'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0},'occlusionTexture':{'index':0},"
         "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1,'transmissionTexture':{'index':0}"
         "}}";
     fathom_material grey = read_factors(0.5, 0, 1, "");
-    snprintf(
-        json, sizeof json,
+    fathom_scene *scene = read_triangle(unit_text(
         SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{%s}],"
               "'textures':[{'source':0}],'images':[{'uri':'no.png'}]"),
-        all);
-    fathom_scene *scene = read_triangle(json);
+        all));
     const fathom_material m = scene->materials.items[1].classic;
     for (int c = 0; c < 3; ++c) {
         assert_near(m.k_d[c], grey.k_d[0], 0);
@@ -194,20 +184,17 @@ UNIT_TEST(textures_without_images_become_even_values) {
 #define TEXEL "'images':[{'uri':'data:image/x-portable-pixmap;base64,UDYKMSAxCjI1NQoAAAA='}]"
 
 UNIT_TEST(textures_become_maps) {
-    char json[8192];
-    snprintf(
-        json, sizeof json,
-        SHOWN(
-            "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}]," TEXEL
-            ",'samplers':[{'wrapS':33071,'wrapT':33648,'magFilter':9728}],'textures':[{'source':0},{'source':"
-            "0,"
-            "'sampler':0}],'materials':[{'alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':{"
-            "'baseColorTexture':{'index':0,'texCoord':1},'metallicRoughnessTexture':{'index':0}},"
-            "'normalTexture':{'index':1,'scale':0.5},'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0,'"
-            "extensions':{"
-            "'KHR_texture_transform':{'offset':[0,1],'rotation':1.5707963267948966,'scale':[0.5,0.5]}}},"
-            "'extensions':{'KHR_materials_clearcoat':{'clearcoatNormalTexture':{'index':1,'scale':0.25}}}}"
-            "]"));
+    const char *json = SHOWN(
+        "'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}]," TEXEL
+        ",'samplers':[{'wrapS':33071,'wrapT':33648,'magFilter':9728}],'textures':[{'source':0},{'source':"
+        "0,"
+        "'sampler':0}],'materials':[{'alphaMode':'MASK','alphaCutoff':0.25,'pbrMetallicRoughness':{"
+        "'baseColorTexture':{'index':0,'texCoord':1},'metallicRoughnessTexture':{'index':0}},"
+        "'normalTexture':{'index':1,'scale':0.5},'emissiveFactor':[1,1,1],'emissiveTexture':{'index':0,'"
+        "extensions':{"
+        "'KHR_texture_transform':{'offset':[0,1],'rotation':1.5707963267948966,'scale':[0.5,0.5]}}},"
+        "'extensions':{'KHR_materials_clearcoat':{'clearcoatNormalTexture':{'index':1,'scale':0.25}}}}"
+        "]");
     fathom_scene *scene = read_triangle(json);
     const fathom_material *m = &scene->materials.items[1].value;
     const fathom_map *maps = m->maps;
@@ -257,13 +244,10 @@ UNIT_TEST(textures_with_factors_of_zero_are_told) {
          NULL},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{"
-                       "'attributes':{'POSITION':0},'material':1}]}]," TEXEL
-                       ",'textures':[{'source':0}],'materials':[{%s}]"),
-                 cases[i].material);
-        read_triangle(json);
+        read_triangle(unit_text(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0},{"
+                                      "'attributes':{'POSITION':0},'material':1}]}]," TEXEL
+                                      ",'textures':[{'source':0}],'materials':[{%s}]"),
+                                cases[i].material));
         if (cases[i].told) expect_warning(cases[i].told);
         if (!cases[i].told) assert_null(strstr(warned, "no effect"));
     }
@@ -275,14 +259,12 @@ UNIT_TEST(textures_with_factors_of_zero_are_told) {
 
 /* A texture with an image of its own and one of an extension, which is read from this URI. */
 static fathom_scene *read_two_images(const char *extension, const char *uri) {
-    char json[4096];
-    snprintf(json, sizeof json,
-             SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
-                   "'name':'own','uri':'" PIXMAP
-                   "UDYKMSAxCjI1NQoAAAA='},{'name':'of the extension','uri':'%s'"
-                   "}],'textures':[{'source':0,'extensions':{'%s':{'source':1}}}],'materials':[{"
-                   "'pbrMetallicRoughness':{'baseColorTexture':{'index':0}},'emissiveTexture':{'index':0}}]"),
-             uri, extension);
+    const char *json = unit_text(
+        SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
+              "'name':'own','uri':'" PIXMAP "UDYKMSAxCjI1NQoAAAA='},{'name':'of the extension','uri':'%s'"
+              "}],'textures':[{'source':0,'extensions':{'%s':{'source':1}}}],'materials':[{"
+              "'pbrMetallicRoughness':{'baseColorTexture':{'index':0}},'emissiveTexture':{'index':0}}]"),
+        uri, extension);
     fathom_scene *scene = read_triangle(json);
     assert_int_equal(scene->textures.count, 1);
     return scene;
@@ -330,12 +312,10 @@ UNIT_TEST(colours_are_srgb_whatever_their_image_says) {
          FATHOM_COLOR_SRGB},
         {"'normalTexture':{'index':0}", "'source':0", "iVBORw0K", FATHOM_COLOR_LINEAR}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
-                       "'uri':'data:;base64,%s'}],'textures':[{%s}],'materials':[{%s}]"),
-                 cases[i].bytes, cases[i].texture, cases[i].material);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(unit_text(
+            SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{"
+                  "'uri':'data:;base64,%s'}],'textures':[{%s}],'materials':[{%s}]"),
+            cases[i].bytes, cases[i].texture, cases[i].material));
         assert_int_equal(scene->textures.count, 1);
         assert_int_equal(scene->textures.items[0].color_space, cases[i].space);
     }
@@ -378,15 +358,13 @@ UNIT_TEST(alpha_modes_cover_their_part) {
 }
 
 static void assert_shadow_by(fathom_integrator integrator, bool casts, const char *material) {
-    char json[4096];
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_integrator = true, asked.integrator = integrator;
-    snprintf(json, sizeof json,
-             SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{'uri':'"
-                   "none.png'}],'textures':[{'source':0}],'materials':[{%s}]"),
-             material);
-    write_triangle(json);
+    write_triangle(unit_text(
+        SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'images':[{'uri':'"
+              "none.png'}],'textures':[{'source':0}],'materials':[{%s}]"),
+        material));
     assert_ok(context, fathom_scene_read_with(context, file_path, &asked, &scene));
     own_scene(scene);
     assert_int_equal(scene->meshes.items[0].flags, casts ? 0 : FATHOM_CASTS_NO_SHADOW);
@@ -446,12 +424,10 @@ UNIT_TEST(masked_surfaces_are_absent) {
         ("'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},'"
          "KHR_materials_ior':{'ior':1.33}}")};
     for (size_t i = 0; i < sizeof more / sizeof *more; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{"
-                       "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}%s%s}]"),
-                 *more[i] ? "," : "", more[i]);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(unit_text(
+            SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],'materials':[{"
+                  "'alphaMode':'MASK','pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.25]}%s%s}]"),
+            *more[i] ? "," : "", more[i]));
         assert_true(absent_object(scene, 0));
     }
 }

@@ -19,9 +19,7 @@ static void write_meshopt(size_t cut, const char *filter, int count) {
     const size_t first =
                      meshopt_encodeVertexBuffer(b.bytes, 4096, vertices, VERTICES, sizeof *vertices) - cut,
                  second = meshopt_encodeIndexBuffer(b.bytes + 4096, 4096, indices, (VERTICES - 2) * 3);
-    char json[4096];
-    snprintf(
-        json, sizeof json,
+    const char *json = unit_text(
         "{" ASSET
         ",'extensionsRequired':['EXT_meshopt_compression'],'buffers':[{'byteLength':8192},{'byteLength':"
         "900000}],'bufferViews':[{'buffer':1,'byteLength':480,'byteStride':12,'extensions':{"
@@ -90,9 +88,7 @@ UNIT_TEST(meshopt_filters_follow_the_equations_of_the_extension) {
                  "'componentType':5120,'normalized':true,'type':'VEC3'");
     put_filtered(&b, "QUATERNION", turns, sizeof *turns,
                  "'componentType':5122,'normalized':true,'type':'VEC4'");
-    char json[32768];
-    snprintf(
-        json, sizeof json,
+    const char *json = unit_text(
         "{" ASSET ",'buffers':[{'byteLength':%zu},{'byteLength':900}],'bufferViews':[%s],'accessors':[%s],"
         "'meshes':[{'primitives':[{'mode':5,'attributes':{'POSITION':0,'NORMAL':1}}]}],'nodes':[{'mesh':0,"
         "'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'ROTATION':2}}}}],'scenes':[{'nodes':[0]}]}",
@@ -161,9 +157,7 @@ static void make_colored(colored *c, const char *name) {
 }
 
 static void write_colored(const colored *c) {
-    char json[4096];
-    snprintf(
-        json, sizeof json,
+    const char *json = unit_text(
         "{" ASSET ",'extensionsRequired':['%s'],'extensionsUsed':['%s'],'buffers':[{'byteLength':512},{"
         "'byteLength':48,'extensions':{'%s':{'fallback':true}}}],'bufferViews':[{'buffer':1,'byteLength':"
         "36,'byteStride':12,'extensions':{'%s':{'buffer':0,'byteLength':%zu,'byteStride':12,'count':3,"
@@ -222,12 +216,10 @@ UNIT_TEST(indices_follow_the_specification) {
     static const uint32_t corners[6] = {0, 1, 2, 0, 2, 3};
     for (int i = 0; i < 2; ++i) {
         unsigned char bytes[68] = {0};
-        char json[2048];
         float points[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
         memcpy(bytes, points, 48);
         memcpy(bytes + 48, i ? indices : triangles, i ? sizeof indices : sizeof triangles);
-        snprintf(
-            json, sizeof json,
+        const char *json = unit_text(
             "{" ASSET ",'buffers':[{'byteLength':68},{'byteLength':12}],'bufferViews':[{'buffer':0,"
             "'byteLength':48},{'buffer':1,'byteLength':12,'extensions':{'KHR_meshopt_compression':{'buffer':"
             "0,'byteOffset':48,'byteLength':%d,'byteStride':2,'count':6,'mode':'%s'}}}],'accessors':[{"

@@ -123,12 +123,10 @@ UNIT_TEST(missing_images_are_named) {
     read_triangle(json);
     assert_int_equal(warning_count, 9);
     for (int i = 0; i < 8; ++i) {
-        char told[128];
-        snprintf(told, sizeof told,
-                 ": images[%d].uri: \"%d.png\": there is no such file that may be read; it is left "
-                 "out (%d such)\n",
-                 i, i, i ? 1 : 3);
-        expect_warning(told);
+        expect_warning(
+            unit_text(": images[%d].uri: \"%d.png\": there is no such file that may be read; it is left "
+                      "out (%d such)\n",
+                      i, i, i ? 1 : 3));
     }
     expect_warning(": images beyond the first 8: there is no such file that may be read; it is left "
                    "out (2 such)");
@@ -138,9 +136,7 @@ UNIT_TEST(missing_images_are_named) {
 UNIT_TEST(a_root_with_a_parent_stays_in_its_place) {
     static const char *const lists[] = {"0,1", "1,0", "0"};
     for (size_t i = 0; i < 3; ++i) {
-        char json[4096];
-        snprintf(
-            json, sizeof json,
+        const char *json = unit_text(
             TRIANGLE_NODES("{'mesh':0},{'children':[0],'translation':[5,0,0]}],'scenes':[{'nodes':[%s]}"),
             lists[i]);
         fathom_scene *scene = read_odd(&(odd_file){json, "a scene names a node that has a parent"});

@@ -56,9 +56,8 @@ UNIT_TEST(every_number_of_a_material_follows_its_pointer) {
         if (!key->count || key->of == GLTF_GLOSSINESS) continue;
         const double expected = key->high > 2 && key->low >= 0 ? 1.25 : 0.25;
         const bool core = key->of == GLTF_CORE, extension = !core && key->of != GLTF_PBR;
-        char pointer[128];
-        snprintf(pointer, sizeof pointer, "/materials/0/%s%s%s%s", extension ? "extensions/" : "",
-                 core ? "" : gltf_holder_names[key->of], core ? "" : "/", key->name);
+        const char *pointer = unit_text("/materials/0/%s%s%s%s", extension ? "extensions/" : "",
+                                        core ? "" : gltf_holder_names[key->of], core ? "" : "/", key->name);
         fathom_scene *scene = read_animated(
             pointer, key->count, expected,
             "{'pbrMetallicRoughness':{},'doubleSided':true,'extensions':{" EMPTY_EXTENSIONS "}}");
@@ -90,11 +89,11 @@ UNIT_TEST(places_of_textures_follow_their_pointer) {
                  {"rotation", 1, {0.96891242171064478, 0.24740395925452293, 0}},
                  {"scale", 2, {0.25, 0, 0}}};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
-        char pointer[128];
-        snprintf(pointer, sizeof pointer,
-                 "/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/%s",
-                 parts[i].name);
-        fathom_scene *scene = read_animated(pointer, parts[i].count, 0.25, textured);
+        fathom_scene *scene = read_animated(
+            unit_text(
+                "/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/%s",
+                parts[i].name),
+            parts[i].count, 0.25, textured);
         const float *row = first_material(scene)->maps[FATHOM_MAP_COLOR].transform;
         for (int c = 0; c < 3; ++c) assert_near((double)row[c], parts[i].row[c], 1e-7);
     }

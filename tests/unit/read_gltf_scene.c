@@ -89,9 +89,7 @@ UNIT_TEST(the_default_scene_chooses_the_nodes) {
         {"'nodes':[{'mesh':0,'translation':[1,0,0]},{'mesh':0,'translation':[2,0,0]}]", 2, 1, NULL},
         {"'nodes':[]", 1, 0, NULL}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json, WITH_DATA(TRIANGLE_MESH ",%s"), cases[i].tail);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(unit_text(WITH_DATA(TRIANGLE_MESH ",%s"), cases[i].tail));
         assert_int_equal(scene->instances.count, cases[i].count);
         assert_vec(placed(scene, 0, (vec3_f64){0, 0, 0}), cases[i].x, 0, 0, 0);
         assert_int_equal(warning_count, cases[i].told != NULL);
@@ -123,9 +121,7 @@ UNIT_TEST(each_omission_is_reported_once) {
          "materials[0]: the extension A_b is ignored (2 such)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char json[4096];
-        snprintf(json, sizeof json, WITH_DATA("%s"), cases[i].tail);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(unit_text(WITH_DATA("%s"), cases[i].tail));
         assert_int_equal(warning_count, 1);
         if (!strstr(warned, cases[i].warning)) fail_msg("\"%s\" lacks \"%s\"", warned, cases[i].warning);
         expect_warning(file_path);
@@ -138,10 +134,8 @@ UNIT_TEST(each_omission_is_reported_once) {
 UNIT_TEST(lines_are_rods) {
     const uint32_t rods[] = {1, 3, 2};
     for (uint32_t mode = 1; mode <= 3; ++mode) {
-        char json[4096];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':%u}]}]"), mode);
-        fathom_scene *scene = read_triangle(json);
+        fathom_scene *scene = read_triangle(
+            unit_text(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'mode':%u}]}]"), mode));
         const fathom_mesh *mesh = &scene->meshes.items[0];
         assert_int_equal(mesh->triangle_count, ROD_TRIANGLES * rods[mode - 1]);
         /* A three hundredth of the diagonal: of (0,0,0) and (1,0,0), or of all. */
@@ -162,12 +156,11 @@ UNIT_TEST(lines_are_rods) {
 UNIT_TEST(what_points_and_lines_cannot_show_is_named) {
     static const char *const keys[] = {"NORMAL", "TEXCOORD_0"};
     for (size_t i = 0; i < 2; ++i) {
-        char json[4096], expected[80];
-        snprintf(json, sizeof json,
-                 SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'%s':0},'mode':3},"
-                       "{'attributes':{'POSITION':0,'%s':0},'mode':3},{'attributes':{'POSITION':0}}]}]"),
-                 keys[i], keys[i]);
-        snprintf(expected, sizeof expected, "%s of points and lines is left out (2 such)", keys[i]);
+        const char *json =
+            unit_text(SHOWN("'meshes':[{'primitives':[{'attributes':{'POSITION':0,'%s':0},'mode':3},"
+                            "{'attributes':{'POSITION':0,'%s':0},'mode':3},{'attributes':{'POSITION':0}}]}]"),
+                      keys[i], keys[i]);
+        const char *expected = unit_text("%s of points and lines is left out (2 such)", keys[i]);
         read_triangle(json);
         expect_warning(expected);
     }
@@ -232,14 +225,11 @@ UNIT_TEST(lamps_of_blender_are_in_watts) {
         "Khronos glTF Blender I/O v3.4.50", "Khronos glTF Blender I/O v4.0.1",
         "Khronos glTF Blender I/O v3.3.27", "Khronos glTF Blender I/O v1.5.17", "Khronos glTF blender"};
     for (int i = 0; i < 5; ++i) {
-        char text[512];
-        snprintf(
-            text, sizeof text,
+        write_gltf(unit_text(
             "{'asset':{'version':'2.0','generator':'%s'},'extensions':{'KHR_lights_punctual':{'lights':[{"
             "'type':'point','intensity':1366}]}},'nodes':[{'extensions':{'KHR_lights_punctual':{"
             "'light':0}}}]}",
-            generators[i]);
-        write_gltf(text);
+            generators[i]));
         fathom_scene *scene = read_file();
         assert_near((double)scene->lights.items[0].intensity[0], (i < 2 ? 2 : 1366) / 3.14159265358979324,
                     1e-4);
@@ -253,14 +243,12 @@ UNIT_TEST(thin_glass_of_blender_is_told) {
     static const char *const generators[] = {"Khronos glTF Blender I/O v3.4.50", "another"},
                              *const volumes[] = {"", ",'KHR_materials_volume':{'thicknessFactor':1}"};
     for (int i = 0; i < 4; ++i) {
-        char text[2048];
-        snprintf(text, sizeof text,
-                 "{'asset':{'version':'2.0','generator':'%s'}," DATA
-                 ",'meshes':[{'primitives':[{'attributes':{"
-                 "'POSITION':0},'material':0}]}],'nodes':[{'mesh':0}],'materials':[{'doubleSided':true,'"
-                 "extensions':{"
-                 "'KHR_materials_transmission':{'transmissionFactor':1}%s}}]}",
-                 generators[i % 2], volumes[i / 2]);
+        const char *text = unit_text(
+            "{'asset':{'version':'2.0','generator':'%s'}," DATA ",'meshes':[{'primitives':[{'attributes':{"
+            "'POSITION':0},'material':0}]}],'nodes':[{'mesh':0}],'materials':[{'doubleSided':true,'"
+            "extensions':{"
+            "'KHR_materials_transmission':{'transmissionFactor':1}%s}}]}",
+            generators[i % 2], volumes[i / 2]);
         read_triangle(text);
         assert_int_equal(warning_count, i == 0);
         forget_warnings();

@@ -70,9 +70,8 @@ UNIT_TEST(joints_mirror_the_surface_and_nodes_the_winding) {
     } cases[] = {{"0,1,2", true, true}, {"1,2", false, true}, {"0", true, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const figure made = new_figure();
-        char bones[128];
-        snprintf(bones, sizeof bones, "{},{},{'scale':[1,1,-2],'children':[%s]}", cases[i].children);
-        write_figure(&made, bones, "", JOINTS);
+        write_figure(&made, unit_text("{},{},{'scale':[1,1,-2],'children':[%s]}", cases[i].children), "",
+                     JOINTS);
         fathom_scene *scene = read_file();
         const fathom_mesh *mesh = &scene->meshes.items[0];
         affine_f64 map;
@@ -91,9 +90,7 @@ UNIT_TEST(joints_that_flatten_hide_their_part) {
     static const char *const scales[] = {"[0,0,0]", "[1,0,0]", "[1,1,0]"};
     for (size_t i = 0; i < sizeof scales / sizeof *scales; ++i) {
         const figure made = new_figure();
-        char bones[64];
-        snprintf(bones, sizeof bones, "{},{'scale':%s}", scales[i]);
-        write_figure(&made, bones, "", JOINTS);
+        write_figure(&made, unit_text("{},{'scale':%s}", scales[i]), "", JOINTS);
         fathom_scene *scene = read_file();
         const fathom_mesh *mesh = &scene->meshes.items[0];
         assert_vec(corner(scene, 0, 0, 1), i ? 1 : 0, 0, 0, 0);
@@ -131,13 +128,12 @@ UNIT_TEST(nodes_that_flatten_leave_a_surface) {
 /* Exporters fill unused places with any number. */
 UNIT_TEST(joints_of_no_weight_may_be_any_number) {
     figure made = new_figure();
-    char more[64];
     made.joints = PUT_BYTES(&made.b, "VEC4", 3, 9, 0, 9, 9, 1, 9, 9, 9, 0, 1, 9, 9);
     made.weights = PUT_FLOATS(&made.b, "VEC4", 3, 0, 1, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0);
     const int joints = PUT_BYTES(&made.b, "VEC4", 3, 255, 9, 9, 9, 255, 9, 9, 9, 255, 0, 9, 9),
               weights = PUT_FLOATS(&made.b, "VEC4", 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0);
-    snprintf(more, sizeof more, ",'JOINTS_1':%d,'WEIGHTS_1':%d", joints, weights);
-    write_figure(&made, "{},{'translation':[4,0,0]}", more, JOINTS);
+    write_figure(&made, "{},{'translation':[4,0,0]}",
+                 unit_text(",'JOINTS_1':%d,'WEIGHTS_1':%d", joints, weights), JOINTS);
     fathom_scene *scene = read_file();
     assert_vec(placed_corner(scene, 0, 0, 1), 5, 0, 0, 1e-6);
     /* Half of joint 1, and three halves of joint 0, of two. */
@@ -149,12 +145,13 @@ UNIT_TEST(vertices_blur_with_their_joints_alone) {
     figure made = new_figure();
     const int times = PUT_FLOATS(&made.b, "SCALAR", 2, 0, 2),
               places = PUT_FLOATS(&made.b, "VEC3", 2, 0, 0, 0, 4, 0, 0);
-    char bones[512];
-    snprintf(bones, sizeof bones,
-             "{},{}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{"
-             "'node':2,'path':'translation'}}]}",
-             times, places);
-    write_figure(&made, bones, "", JOINTS);
+    write_figure(
+        &made,
+        unit_text(
+            "{},{}],'animations':[{'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{"
+            "'node':2,'path':'translation'}}]}",
+            times, places),
+        "", JOINTS);
     fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = 0.5, asked.shutter = 1;
@@ -193,9 +190,8 @@ UNIT_TEST(wrong_skins_are_refused) {
               lost = PUT_BYTES(&all.b, "VEC4", 3, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 0),
               none = PUT_FLOATS(&all.b, "VEC4", 3, 1, 0, 0, 0, 0, 0, 0, 0, 0.5f, 0.5f, 0, 0),
               light = PUT_FLOATS(&all.b, "VEC4", 2, 1, 0, 0, 0, 1, 0, 0, 0);
-    char few_bind[64], wrong_bind[64];
-    snprintf(few_bind, sizeof few_bind, JOINTS ",'inverseBindMatrices':%d", one);
-    snprintf(wrong_bind, sizeof wrong_bind, JOINTS ",'inverseBindMatrices':%d", wrong);
+    const char *few_bind = unit_text(JOINTS ",'inverseBindMatrices':%d", one);
+    const char *wrong_bind = unit_text(JOINTS ",'inverseBindMatrices':%d", wrong);
     const struct {
         const char *skin;
         int joints, weights;

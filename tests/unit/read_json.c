@@ -6,9 +6,8 @@
 
 /* The document with these objects. */
 static fathom_scene *with_objects(const char *objects) {
-    char text[4096];
-    snprintf(text, sizeof text, "{\"materials\": {\"m\": {}, \"n\": {}}, \"objects\": [%s]}", objects);
-    return json_scene_good(&s, text);
+    return json_scene_good(&s,
+                           unit_text("{\"materials\": {\"m\": {}, \"n\": {}}, \"objects\": [%s]}", objects));
 }
 
 static void assert_numbers(const double *found, const double *expected, size_t count) {
@@ -61,9 +60,8 @@ UNIT_TEST(absent_parts) {
 }
 
 static fathom_settings settings_of(const char *image) {
-    char text[256];
-    snprintf(text, sizeof text, "{\"image\": {%s}, \"lights\": [], \"objects\": []}", image);
-    fathom_scene *scene = json_scene_good(&s, text);
+    fathom_scene *scene =
+        json_scene_good(&s, unit_text("{\"image\": {%s}, \"lights\": [], \"objects\": []}", image));
     const fathom_settings found = scene->settings;
     return found;
 }
@@ -85,9 +83,7 @@ UNIT_TEST(the_integrator_decides_what_is_not_given) {
 }
 
 static fathom_camera camera_of(const char *camera) {
-    char text[1024];
-    snprintf(text, sizeof text, "{\"camera\": %s, \"objects\": []}", camera);
-    fathom_scene *scene = json_scene_good(&s, text);
+    fathom_scene *scene = json_scene_good(&s, unit_text("{\"camera\": %s, \"objects\": []}", camera));
     assert_true(scene->has_camera);
     fathom_camera out = scene->camera;
     return out;
@@ -283,10 +279,8 @@ UNIT_TEST(generated) {
 
 /* Where a point of the placed sphere's own space lands. */
 static vec3_f64 landed(const char *placement, vec3_f64 p) {
-    char object[1024];
-    snprintf(object, sizeof object, "{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, %s}",
-             placement);
-    fathom_scene *scene = with_objects(object);
+    fathom_scene *scene = with_objects(
+        unit_text("{\"type\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, %s}", placement));
     assert_int_equal(scene->instances.count, 1);
     assert_int_equal(scene->objects.items[0].group, scene->instances.items[0].group);
     assert_int_not_equal(scene->objects.items[0].group, FATHOM_ROOT);

@@ -37,10 +37,8 @@ UNIT_TEST(the_whole_is_good) { json_scene_good(&s, whole); }
 static void assert_refused(const char *from, const char *to, unsigned line, const char *message) {
     const char *found = strstr(whole, from);
     assert_non_null(found);
-    char text[sizeof whole + 256], expected[512];
-    snprintf(text, sizeof text, "%.*s%s%s", (int)(found - whole), whole, to, found + strlen(from));
-    snprintf(expected, sizeof expected, "%s:%u: %s", s.file, line, message);
-    json_scene_bad(&s, text, expected);
+    const char *text = unit_text("%.*s%s%s", (int)(found - whole), whole, to, found + strlen(from));
+    json_scene_bad(&s, text, unit_text("%s:%u: %s", s.file, line, message));
 }
 
 UNIT_TEST(lines_and_places) {

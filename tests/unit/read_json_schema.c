@@ -9,9 +9,7 @@
 static json_t *text(const char *s) { return json_string(s); }
 
 static json_t *reference(const form *f) {
-    char target[80];
-    snprintf(target, sizeof target, "#/definitions/%s", f->name);
-    return json_pack("{s:s}", "$ref", target);
+    return json_pack("{s:s}", "$ref", unit_text("#/definitions/%s", f->name));
 }
 
 static json_t *number_schema(const form_key *key) {
@@ -338,8 +336,7 @@ static void assert_in_reference(const char *readme, const char *form_name, json_
     const char *key;
     json_t *property;
     json_object_foreach(properties, key, property) {
-        char quoted[80];
-        snprintf(quoted, sizeof quoted, "`%s`", key);
+        const char *quoted = unit_text("`%s`", key);
         if (!strstr(readme, quoted)) fail_msg("scenes/README.md does not have %s of %s", quoted, form_name);
         const char *words = json_string_value(json_object_get(property, "description"));
         if (words && !strstr(readme, words))

@@ -27,12 +27,12 @@ UNIT_TEST(lenses_follow_f_stops) {
         double distance;
     } cases[] = {{"", 5}, {", \"focusDistance\": 3", 3}};
     for (size_t i = 0; i < 2; ++i) {
-        char text[256];
-        snprintf(text, sizeof text,
-                 "{\"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"focalLength\": 0.5, \"fStop\": 2"
-                 "%s}, \"objects\": []}",
-                 cases[i].more);
-        fathom_scene *scene = json_scene_good(&s, text);
+        fathom_scene *scene = json_scene_good(
+            &s,
+            unit_text(
+                "{\"camera\": {\"eye\": [0, 0, 5], \"target\": [0, 0, 0], \"focalLength\": 0.5, \"fStop\": 2"
+                "%s}, \"objects\": []}",
+                cases[i].more));
         assert_true(scene->camera.lens_radius == 0.125);
         assert_true(scene->camera.focus_distance == cases[i].distance);
     }
@@ -126,12 +126,11 @@ UNIT_TEST(files_suit_the_integrator_asked_for) {
         {"\"pattern\": \"sobol\"", 1, 0, FATHOM_PATTERN_SOBOL, false},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char text[256];
         fathom_read_options asked = default_read_options();
         fathom_scene *scene;
         asked.choose_integrator = true, asked.integrator = FATHOM_INTEGRATOR_CLASSIC;
         asked.own_spp = cases[i].own_spp;
-        snprintf(text, sizeof text, "{\"image\": {%s}, \"objects\": [" TRIANGLE("") "]}", cases[i].image);
+        const char *text = unit_text("{\"image\": {%s}, \"objects\": [" TRIANGLE("") "]}", cases[i].image);
         unit_write_file(s.file, text, strlen(text));
         assert_ok(s.context, fathom_scene_read_with(s.context, s.file, &asked, &scene));
         own_scene(scene);
@@ -151,9 +150,7 @@ UNIT_TEST(positions_beside_keys_show_nowhere) {
                                             "[[-900, 0, 0], [0, 900, 0], [0, 0, 900], [5, 5, 5]]"};
     fathom_scene *scenes[3];
     for (size_t i = 0; i < 3; ++i) {
-        char text[1024];
-        snprintf(
-            text, sizeof text,
+        const char *text = unit_text(
             "{\"materials\": {\"lamp\": {\"ke\": [9, 9, 9]}, \"grey\": {}}, \"objects\": [{\"type\": "
             "\"mesh\", \"material\": \"lamp\", \"positions\": %s, \"indices\": [[0, 2, 1], [0, 3, 2]], "
             "\"vertexKeys\": [{\"time\": 0, \"positions\": " SQUARE "}]}, {\"type\": \"quad\", "

@@ -5,10 +5,9 @@
 #include "read/obj/obj.h"
 
 static fathom_material material_of(const char *body) {
-    char text[512];
     mtl_library library = {0};
     forget_warnings();
-    snprintf(text, sizeof text, "newmtl m\n%s", body);
+    const char *text = unit_text("newmtl m\n%s", body);
     assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
     assert_int_equal(library.materials.count, 1);
     fathom_material material = library.materials.items[0].value;
@@ -85,8 +84,7 @@ UNIT_TEST(mirrors_follow_illum) {
     material_of("Ks 1 1 1\nillum 3\n"); /* a mirror without a highlight loses nothing */
     assert_string_equal(warned, "");
     for (int i = 0; i < 3; ++i) {
-        char body[64];
-        snprintf(body, sizeof body, "Kd 0.5 0.5 0.5\nKs 0.2 0.4 0.6\nNs 99\n%s\n", models[i]);
+        const char *body = unit_text("Kd 0.5 0.5 0.5\nKs 0.2 0.4 0.6\nNs 99\n%s\n", models[i]);
         fathom_material m = material_of(body);
         expect_color(body, "k_r", m.k_r, 0.2, 0.4, 0.6);
         expect_color(body, "k_t", m.k_t, 0, 0, 0);
@@ -170,9 +168,8 @@ UNIT_TEST(glass_follows_its_formulas) {
     expect_color(body, "k_s", m.k_s, 0.25, 0.25, 0.25);
     expect_color(body, "k_d", m.k_d, 0.125, 0.125, 0.125);
     for (int illum = 4; illum <= 9; ++illum) {
-        char text[64];
         if (illum == 5 || illum == 8) continue;
-        snprintf(text, sizeof text, "Ks 1 1 1\nTf 0.5 0.5 0.5\nNi 1.7\nd 0.5\nillum %d\n", illum);
+        const char *text = unit_text("Ks 1 1 1\nTf 0.5 0.5 0.5\nNi 1.7\nd 0.5\nillum %d\n", illum);
         m = material_of(text);
         expect_color(text, "k_t", m.k_t, 0.25, 0.25, 0.25);
         assert_true(m.ior == (illum == 6 || illum == 7 ? 1.7f : 1));
@@ -244,9 +241,8 @@ UNIT_TEST(omissions_are_reported) {
 /* What a map of the material names, with its options. */
 static void expect_map(const char *body, fathom_map_kind kind, const char *file, uint32_t channel,
                        const float transform[6]) {
-    char text[512];
     mtl_library library = {0};
-    snprintf(text, sizeof text, "newmtl m\n%s", body);
+    const char *text = unit_text("newmtl m\n%s", body);
     assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
     const mtl_image *image = &library.materials.items[0].images[kind];
     assert_non_null(image->file);
@@ -279,9 +275,8 @@ UNIT_TEST(images_become_maps) {
 
 /* The first material of a file whose first line is `head`. */
 static mtl_material first_of(const char *head, const char *body, mtl_library *library) {
-    char text[512];
     forget_warnings();
-    snprintf(text, sizeof text, "%s\nnewmtl m\n%s", head, body);
+    const char *text = unit_text("%s\nnewmtl m\n%s", head, body);
     assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), library));
     return library->materials.items[0];
 }
@@ -341,11 +336,11 @@ UNIT_TEST(materials_of_blender_are_those_of_its_shader) {
     /* The older exporter, whose Ni was 1 before 2.8. It writes the colour that an image replaces. */
     static const char *const ior[] = {"1.45", "1"};
     for (int i = 0; i < 2; ++i) {
-        char text[128];
         mtl_library library = {0};
-        snprintf(text, sizeof text,
-                 "Ns 640\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNi %s\nillum 2\nmap_Kd a\nrefl m\n", ior[i]);
-        const mtl_material m = first_of("# Blender MTL File: 'None'", text, &library);
+        const mtl_material m = first_of(
+            "# Blender MTL File: 'None'",
+            unit_text("Ns 640\nKd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNi %s\nillum 2\nmap_Kd a\nrefl m\n", ior[i]),
+            &library);
         assert_int_equal(m.value.model, i ? FATHOM_MODEL_CLASSIC : FATHOM_MODEL_METALLIC_ROUGHNESS);
         assert_near(i ? m.value.k_d[0] : m.value.base_color[0], 1, 0);
         if (!i) assert_near(m.value.roughness, 0.2, 0x1p-24);

@@ -6,8 +6,7 @@
 /* An OBJ file with this library. */
 static fathom_scene *scene_of(const char *body) {
     static const char faces[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
-    char text[512];
-    snprintf(text, sizeof text, "newmtl m\n%s", body);
+    const char *text = unit_text("newmtl m\n%s", body);
     mesh_write("m.mtl", text, strlen(text));
     const read_mesh_options options = {.material = FATHOM_NONE};
     return mesh_read(read_obj, mesh_write("m.obj", faces, strlen(faces)), options);
@@ -43,8 +42,7 @@ UNIT_TEST(options_of_images_may_be_in_any_order) {
     }
     static const char *const channels[] = {"r", "g", "b", "m"};
     for (uint32_t c = 0; c < 4; ++c) {
-        char body[64];
-        snprintf(body, sizeof body, "map_d -imfchan %s 1.ppm\nmap_Kd 1.ppm\n", channels[c]);
+        const char *body = unit_text("map_d -imfchan %s 1.ppm\nmap_Kd 1.ppm\n", channels[c]);
         assert_int_equal(material_of(body).maps[FATHOM_MAP_OPACITY].channel, c);
     }
     assert_int_equal(material_of("map_d 1.ppm\nmap_Kd 1.ppm\n").maps[FATHOM_MAP_OPACITY].channel, 3);
@@ -58,9 +56,7 @@ UNIT_TEST(images_of_numbers_are_linear) {
                                                                             "map_Ps", "norm",   "bump"};
     write_image("1.ppm");
     for (size_t i = 0; i < sizeof colors / sizeof *colors + sizeof numbers / sizeof *numbers; ++i) {
-        char body[64];
-        snprintf(body, sizeof body, "%s 1.ppm\n", i < 3 ? colors[i] : numbers[i - 3]);
-        fathom_scene *scene = scene_of(body);
+        fathom_scene *scene = scene_of(unit_text("%s 1.ppm\n", i < 3 ? colors[i] : numbers[i - 3]));
         assert_int_equal(scene->textures.count, 1);
         assert_int_equal(scene->textures.items[0].color_space,
                          i < 3 ? FATHOM_COLOR_AUTO : FATHOM_COLOR_LINEAR);
@@ -86,9 +82,7 @@ UNIT_TEST(lost_images_leave_no_layer) {
 UNIT_TEST(every_pbr_key_selects_the_model) {
     static const char *const keys[] = {"Pr", "Pm", "Pc", "Ps", "aniso"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
-        char body[32];
-        snprintf(body, sizeof body, "Kd 1 1 1\n%s 0.25\n", keys[i]);
-        const fathom_material m = material_of(body);
+        const fathom_material m = material_of(unit_text("Kd 1 1 1\n%s 0.25\n", keys[i]));
         assert_int_equal(m.model, FATHOM_MODEL_METALLIC_ROUGHNESS);
         const float found[] = {m.roughness, m.metallic, m.clearcoat, m.sheen_color[1], m.anisotropy};
         assert_true(found[i] == 0.25f);

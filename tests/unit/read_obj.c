@@ -107,9 +107,7 @@ UNIT_TEST(faces_lose_parts_without_data) {
                            "vt 0 0\nvn 0 0 1\nf 1/1/1 2/2/2 3/1/1\n", "vt 0 0\nf 1/1/-1 2/1/-1 3/1/-9\n"};
     const bool has_uv[] = {false, false, false, false, true};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
-        char text[256];
-        snprintf(text, sizeof text, SQUARE "%s", wrong[i]);
-        fathom_scene *scene = read_text(text);
+        fathom_scene *scene = read_text(unit_text(SQUARE "%s", wrong[i]));
         const uint32_t expected[3] = {0, 1, 2};
         mesh_expect_indices(mesh_at(scene, 0)->indices, expected, 3);
         assert_null(mesh_at(scene, 0)->normals);
@@ -272,11 +270,10 @@ UNIT_TEST(unused_vertices_are_left_out) {
 UNIT_TEST(stray_vertices_are_left_out) {
     static const char *const strays[] = {"9 0 0", "-9 0 0", "0 9 0", "0 -9 0", "0 0 9", "0 0 -9"};
     for (size_t i = 0; i < 2 * sizeof strays / sizeof *strays; ++i) {
-        char text[256];
         const bool two = i % 2;
-        snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv %s\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 1 2 5\n%sf 1 4 5\n",
-                 strays[i / 2], two ? "s 1\nvn 0 0 1\nf 2//1 4//1 5//1\nf 1//1 4//1 2//1\n" : "");
-        fathom_scene *scene = read_text(text);
+        fathom_scene *scene = read_text(
+            unit_text("v 0 0 0\nv 1 0 0\nv %s\nv 0 1 0\nv 0 0 1\nf 1 2 4\nf 1 2 5\n%sf 1 4 5\n",
+                      strays[i / 2], two ? "s 1\nvn 0 0 1\nf 2//1 4//1 5//1\nf 1//1 4//1 2//1\n" : ""));
         scene_bounds bounds;
         assert_int_equal(scene->meshes.count, two ? 2 : 1);
         assert_int_equal(mesh_at(scene, 0)->vertex_count, 4);
@@ -315,12 +312,10 @@ UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
     mesh_write("m.mtl", mtl, strlen(mtl));
     mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
     for (int i = 0; i < 2; ++i) {
-        char text[256];
-        snprintf(text, sizeof text,
-                 "# %s\nmtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nvt 1 1\nusemtl a\n"
-                 "f 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n",
-                 i ? "Fathom 0.1.0" : "by hand");
-        fathom_scene *scene = read_text(text);
+        fathom_scene *scene = read_text(
+            unit_text("# %s\nmtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nvt 1 1\nusemtl a\n"
+                      "f 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n",
+                      i ? "Fathom 0.1.0" : "by hand"));
         assert_int_equal(mesh_at(scene, 0)->colors != NULL, i);
         assert_non_null(mesh_at(scene, 1)->colors);
         if (!i) expect_warning("colours of vertices are left out where an image has them (1 such)");
@@ -370,9 +365,7 @@ UNIT_TEST(a_given_material_replaces_the_files) {
 #define ROOF "v -1 0 0\nv 0 0 1\nv 0 1 1\nv 1 0 0\n"
 
 static void expect_roof(const char *faces, read_mesh_options options, int smooth) {
-    char text[256];
-    snprintf(text, sizeof text, "%s%s", ROOF, faces);
-    fathom_scene *scene = read_with(text, options);
+    fathom_scene *scene = read_with(unit_text("%s%s", ROOF, faces), options);
     const fathom_mesh *mesh = mesh_at(scene, 0);
     assert_int_equal(scene->meshes.count, 1);
     if (smooth < 0) {
@@ -502,13 +495,11 @@ static void expect_distance(const fathom_mesh *mesh, uint32_t triangles, uint32_
 UNIT_TEST(vertices_that_are_no_numbers_are_left_out) {
     static const char *const odd[] = {"nan", "inf", "1.#QNAN", "1e39"};
     for (int i = 0; i < 4; ++i) {
-        char text[512];
         const uint32_t square[] = {0, 1, 2, 0, 2, 3};
-        snprintf(text, sizeof text,
-                 "f 1 5 6 2\nf 1/1 2/2 3/3 4/4\nf 5 1 2\n" SQUARE
-                 "v 0 %s 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nl 1 2 5\np 5 1\n",
-                 odd[i]);
-        fathom_scene *scene = read_text(text);
+        fathom_scene *scene =
+            read_text(unit_text("f 1 5 6 2\nf 1/1 2/2 3/3 4/4\nf 5 1 2\n" SQUARE
+                                "v 0 %s 0\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nl 1 2 5\np 5 1\n",
+                                odd[i]));
         assert_int_equal(scene->meshes.count, 3);
         mesh_expect_indices(mesh_at(scene, 0)->indices, square, 6);
         assert_true(mesh_at(scene, 0)->uvs[4] == 1 && mesh_at(scene, 0)->uvs[7] == 1);
@@ -529,9 +520,7 @@ UNIT_TEST(lines_are_rods_and_points_are_spheres) {
     static const vec3_f64 lines[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{4, 0, 0}, {4, 3, 0}}};
     const char *const ways[] = {"l 1 2 3\n", "l -3 -2\nl 2 3\n", "vt 0 0\nl 1/1 2/1 3\n"};
     for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i) {
-        char text[256];
-        snprintf(text, sizeof text, "v 0 0 0\nv 4 0 0\nv 4 3 0\n%sp 1\n", ways[i]);
-        fathom_scene *scene = read_text(text);
+        fathom_scene *scene = read_text(unit_text("v 0 0 0\nv 4 0 0\nv 4 3 0\n%sp 1\n", ways[i]));
         assert_int_equal(scene->meshes.count, 2);
         /* One point alone has no diagonal: its radius is 1. */
         assert_int_equal(mesh_at(scene, 0)->vertex_count, 1);
@@ -608,10 +597,8 @@ UNIT_TEST(libraries_elsewhere_are_found) {
                                         "mtllib \"m n.mtl\"\n", "", "mtllib none.mtl\n"};
     const char *mtl = "newmtl red\nKd 1 0 0\n";
     for (size_t i = 0; i < sizeof named / sizeof *named; ++i) {
-        char text[256];
         const char *path = mesh_write(i < 3 ? "m n.mtl" : "a.mtl", mtl, strlen(mtl));
-        snprintf(text, sizeof text, "%s" SQUARE "usemtl red\nf 1 2 3\n", named[i]);
-        fathom_scene *scene = read_text(text);
+        fathom_scene *scene = read_text(unit_text("%s" SQUARE "usemtl red\nf 1 2 3\n", named[i]));
         assert_true(scene->materials.items[mesh_at(scene, 0)->material].value.k_d[1] == 0);
         if (i < 3)
             assert_string_equal(warned, "");

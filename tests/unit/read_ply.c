@@ -57,13 +57,13 @@ UNIT_TEST(all_number_types_are_read) {
                  {{"float", "float32"}, 'f'}, {{"double", "float64"}, 'd'}};
     for (int i = 0; i < 8 * 2 * FLAVOURS; ++i) {
         ply_maker m;
-        char lines[512], codes[32];
+        char codes[32];
         const char *name = types[i % 8].names[i / 8 % 2], code = types[i % 8].code;
-        snprintf(lines, sizeof lines,
-                 "element vertex 4\nproperty %s x\nproperty %s y\nproperty %s z\n"
-                 "element face 2\nproperty list %s %s vertex_index\n",
-                 name, name, name, name, name);
-        ply_header(&m, (ply_flavour)(i / 16), lines, 0);
+        ply_header(&m, (ply_flavour)(i / 16),
+                   unit_text("element vertex 4\nproperty %s x\nproperty %s y\nproperty %s z\n"
+                             "element face 2\nproperty list %s %s vertex_index\n",
+                             name, name, name, name, name),
+                   0);
         memset(codes, code, sizeof codes);
         codes[3] = codes[7] = codes[11] = ' ', codes[15] = '\0';
         ply_row(&m, codes, (const double[]){0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
@@ -127,11 +127,11 @@ UNIT_TEST(elements_may_come_in_any_order) {
 UNIT_TEST(all_names_of_uvs_are_known) {
     const char *names[3][2] = {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}};
     for (int i = 0; i < 3; ++i) {
-        char lines[256];
         ply_maker m;
-        snprintf(lines, sizeof lines, VERTICES(3) "property float %s\nproperty float %s\n" FACES(1),
-                 names[i][0], names[i][1]);
-        ply_header(&m, ASCII, lines, 0);
+        ply_header(&m, ASCII,
+                   unit_text(VERTICES(3) "property float %s\nproperty float %s\n" FACES(1), names[i][0],
+                             names[i][1]),
+                   0);
         ROW(&m, "fffff fffff fffff biii", 0, 0, 0, 0, 1, 1, 0, 0, 2, 3, 0, 1, 0, 4, 5, 3, 0, 1, 2);
         fathom_scene *scene = ply_read(&m);
         for (int k = 0; k < 6; ++k) assert_true(mesh_at(scene, 0)->uvs[k] == (float)k);
@@ -465,12 +465,11 @@ UNIT_TEST(colours_of_faces_are_shown) {
     for (int k = 0; k < 2 * FLAVOURS; ++k) {
         const bool alpha = k >= FLAVOURS;
         ply_maker m;
-        char lines[512];
-        snprintf(lines, sizeof lines,
-                 XYZ "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty "
-                     "float t\nproperty float s1\nproperty float t1\n" FACES(
-                         3) "property uchar red\nproperty uchar green\nproperty uchar blue\n%s",
-                 alpha ? "property uchar alpha\n" : "property uchar quality\n");
+        const char *lines = unit_text(
+            XYZ "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty "
+                "float t\nproperty float s1\nproperty float t1\n" FACES(
+                    3) "property uchar red\nproperty uchar green\nproperty uchar blue\n%s",
+            alpha ? "property uchar alpha\n" : "property uchar quality\n");
         ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
         for (int i = 0; i < 4; ++i)
             ROW(&m, "ffffffffff", (i + 1) / 2 % 2, i / 2, 0, 0, 0, i + 1, i, 2 * i, 3 * i, 4 * i);
@@ -570,13 +569,12 @@ UNIT_TEST(stray_vertices_are_left_out) {
 UNIT_TEST(edges_are_rods) {
     for (int flavour = 0; flavour < 2 * FLAVOURS; ++flavour) {
         const bool faces = flavour < FLAVOURS;
-        char lines[256];
         ply_maker m;
-        snprintf(lines, sizeof lines,
-                 "%selement edge 2\nproperty %s\nproperty ushort vertex2\nproperty %s\n%s", XYZ,
-                 faces ? "int vertex1" : "uchar quality", faces ? "uchar quality" : "int vertex1",
-                 faces ? FACES(1) : "");
-        ply_header(&m, (ply_flavour)(flavour % FLAVOURS), lines, 0);
+        ply_header(&m, (ply_flavour)(flavour % FLAVOURS),
+                   unit_text("%selement edge 2\nproperty %s\nproperty ushort vertex2\nproperty %s\n%s", XYZ,
+                             faces ? "int vertex1" : "uchar quality", faces ? "uchar quality" : "int vertex1",
+                             faces ? FACES(1) : ""),
+                   0);
         const double corners[4][2] = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
         for (int i = 0; i < 4; ++i) ROW(&m, "fff", corners[i][0], corners[i][1], 0);
         if (faces)
@@ -640,13 +638,14 @@ UNIT_TEST(float_colours_of_bytes_are_decoded) {
     for (size_t k = 0; k < FLAVOURS * sizeof cases / sizeof *cases; ++k) {
         const bool bytes = cases[k / FLAVOURS].bytes;
         const double red = cases[k / FLAVOURS].red, alpha = cases[k / FLAVOURS].alpha;
-        char lines[256];
         ply_maker m;
-        snprintf(lines, sizeof lines,
-                 "%selement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
-                 "red\nproperty float green\nproperty float blue\nproperty float alpha\n",
-                 cases[k / FLAVOURS].comment);
-        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        ply_header(
+            &m, (ply_flavour)(k % FLAVOURS),
+            unit_text(
+                "%selement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty float "
+                "red\nproperty float green\nproperty float blue\nproperty float alpha\n",
+                cases[k / FLAVOURS].comment),
+            0);
         ROW(&m, "fffffff fffffff", 0, 0, 0, red, 0, 2, alpha, 1, 0, 0, 0, 0, 1, alpha);
         fathom_scene *scene = ply_read(&m);
         const fathom_mesh *mesh = mesh_at(scene, 0);
@@ -665,10 +664,10 @@ UNIT_TEST(float_face_colours_of_bytes_are_decoded) {
     for (int k = 0; k < 3 * FLAVOURS; ++k) {
         const bool bytes = k < 2 * FLAVOURS, alpha = k < FLAVOURS;
         ply_maker m;
-        char lines[256];
-        snprintf(lines, sizeof lines, "%s" XYZ FACES(2) RGB("float") "property float alpha\n",
-                 k % 2 ? "" : "comment from a scanner\n");
-        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        ply_header(&m, (ply_flavour)(k % FLAVOURS),
+                   unit_text("%s" XYZ FACES(2) RGB("float") "property float alpha\n",
+                             k % 2 ? "" : "comment from a scanner\n"),
+                   0);
         for (int i = 0; i < 4; ++i) ROW(&m, "fff", (i + 1) / 2 % 2, i / 2, 0);
         ROW(&m, "biiiiffff", 4, 0, 1, 2, 3, 255, 0, bytes ? 2 : 2.5, alpha ? 51 : 0.2);
         ROW(&m, "biiiffff", 3, 0, 2, 3, 0, 0, 0, alpha ? 51 : 0.2);

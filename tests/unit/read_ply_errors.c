@@ -167,8 +167,7 @@ UNIT_TEST(the_first_fault_is_reported) {
     for (size_t i = 0; i < faces; ++i) memcpy(bytes + m.size + row * i, right, row);
     for (size_t i = 90000; i < faces; i += 90000) bytes[m.size + row * i + 1] = wrong;
     const char *path = mesh_write("a.ply", bytes, size);
-    char expected[96];
-    snprintf(expected, sizeof expected, "at byte %zu: face: vertex index 7", m.size + row * 90000ul + 1);
+    const char *expected = unit_text("at byte %zu: face: vertex index 7", m.size + row * 90000ul + 1);
     for (unsigned threads = 1; threads < 8; threads += 3) {
         fathom_status status;
         fathom_context_set_threads(context, threads);

@@ -19,13 +19,11 @@ UNIT_TEST(whole_colours_of_bytes_are_decoded) {
     for (size_t k = 0; k < 2 * FLAVOURS * sizeof cases / sizeof *cases; ++k) {
         const size_t i = k / (2 * FLAVOURS);
         const bool faces = k / FLAVOURS % 2;
-        char colors[128], lines[512];
         ply_maker m;
-        snprintf(colors, sizeof colors, "property %s red\nproperty %s green\nproperty %s blue\n",
-                 cases[i].type, cases[i].type, cases[i].type);
-        snprintf(lines, sizeof lines, VERTICES(3) "%s" FACES(1) "%s", faces ? "" : colors,
-                 faces ? colors : "");
-        ply_header(&m, (ply_flavour)(k % FLAVOURS), lines, 0);
+        const char *colors = unit_text("property %s red\nproperty %s green\nproperty %s blue\n",
+                                       cases[i].type, cases[i].type, cases[i].type);
+        ply_header(&m, (ply_flavour)(k % FLAVOURS),
+                   unit_text(VERTICES(3) "%s" FACES(1) "%s", faces ? "" : colors, faces ? colors : ""), 0);
         const char row[] = {cases[i].code, cases[i].code, cases[i].code, 0};
         const double color[] = {cases[i].red, 0, cases[i].blue};
         for (int v = 0; v < 3; ++v) {
@@ -34,8 +32,7 @@ UNIT_TEST(whole_colours_of_bytes_are_decoded) {
             const double values[] = {v % 2, v / 2, 0, color[0], color[1], color[2]};
             ply_row(&m, types, values);
         }
-        char types[8];
-        snprintf(types, sizeof types, "biii%s", faces ? row : "");
+        const char *types = unit_text("biii%s", faces ? row : "");
         const double face[] = {3, 0, 1, 2, color[0], color[1], color[2]};
         ply_row(&m, types, face);
         fathom_scene *scene = ply_read(&m);
@@ -62,13 +59,12 @@ UNIT_TEST(opacities_follow_their_own_type) {
     for (size_t k = 0; k < 2 * sizeof cases / sizeof *cases; ++k) {
         const size_t i = k / 2;
         const bool faces = k % 2;
-        char colors[160], lines[512], types[16];
+        char types[16];
         ply_maker m;
-        snprintf(colors, sizeof colors, "property %s r\nproperty %s g\nproperty %s b\nproperty %s a\n",
-                 cases[i].colors, cases[i].colors, cases[i].colors, cases[i].alphas);
-        snprintf(lines, sizeof lines, VERTICES(3) "%s" FACES(1) "%s", faces ? "" : colors,
-                 faces ? colors : "");
-        ply_header(&m, BIG, lines, 0);
+        const char *colors = unit_text("property %s r\nproperty %s g\nproperty %s b\nproperty %s a\n",
+                                       cases[i].colors, cases[i].colors, cases[i].colors, cases[i].alphas);
+        ply_header(&m, BIG,
+                   unit_text(VERTICES(3) "%s" FACES(1) "%s", faces ? "" : colors, faces ? colors : ""), 0);
         const double red = cases[i].red, alpha = cases[i].alpha;
         snprintf(types, sizeof types, "fff%s", faces ? "" : cases[i].row);
         for (int v = 0; v < 3; ++v) ROW(&m, types, v % 2, v / 2, 0, red, 0, 0, alpha);
@@ -102,13 +98,14 @@ UNIT_TEST(lists_of_every_type_are_read) {
     for (size_t k = 0; k < 8 * 8 * FLAVOURS; ++k) {
         const size_t length = k / FLAVOURS % 8, index = k / FLAVOURS / 8;
         const ply_flavour flavour = (ply_flavour)(k % FLAVOURS);
-        char lines[512], types[32];
+        char types[32];
         ply_maker m;
-        snprintf(lines, sizeof lines,
-                 XYZ "element face 2\nproperty list %s %s other\nproperty list %s %s vertex_index\n"
-                     "property %s flags\n",
-                 names[length], names[index], names[length], names[index], names[index]);
-        ply_header(&m, flavour, lines, k);
+        ply_header(&m, flavour,
+                   unit_text(XYZ
+                             "element face 2\nproperty list %s %s other\nproperty list %s %s vertex_index\n"
+                             "property %s flags\n",
+                             names[length], names[index], names[length], names[index], names[index]),
+                   k);
         ply_square(&m);
         const char n = codes[length], i = codes[index];
         /* Rows of different sizes, so that none is found by its number alone. */

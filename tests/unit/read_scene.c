@@ -42,10 +42,9 @@ UNIT_TEST(bare_model) {
 
 /* By as many of the last parts of its name as lead to one; of Windows, too. */
 UNIT_TEST(images_of_another_computer_are_found) {
-    char base[256], wall[256];
     assert_int_equal(mkdir(in_folder("Maps"), 0700), 0);
-    snprintf(wall, sizeof wall, "%s", in_folder("Maps/Wall.png"));
-    snprintf(base, sizeof base, "%s", in_folder("a.mtl"));
+    const char *wall = unit_text("%s", in_folder("Maps/Wall.png"));
+    const char *base = unit_text("%s", in_folder("a.mtl"));
     unit_write_file(wall, "x", 1);
     fathom_scene *scene = new_scene(context);
     scene->top = base;
@@ -145,11 +144,10 @@ UNIT_TEST(scene_files_shape_their_image) {
                  {"\"width\":301,\"height\":151", NULL, 301, 151},
                  {"\"width\":300,\"height\":300", "the image is stretched horizontally by 0.5", 300, 300}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char json[512];
-        snprintf(json, sizeof json,
-                 "{\"image\":{%s},\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0],\"d\":1,\"w\":2,\"h\":1},"
-                 "\"objects\":[{\"type\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]}",
-                 cases[i].image);
+        const char *json = unit_text(
+            "{\"image\":{%s},\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0],\"d\":1,\"w\":2,\"h\":1},"
+            "\"objects\":[{\"type\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]}",
+            cases[i].image);
         forget_warnings();
         fathom_scene *scene = scene_of_file(context, mesh_write("a.json", json, strlen(json)));
         assert_int_equal(scene->settings.width, cases[i].width);

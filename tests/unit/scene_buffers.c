@@ -74,8 +74,7 @@ static const file_map *the_map(void) {
 }
 
 static void check_file(const char *extension) {
-    char path[64];
-    snprintf(path, sizeof path, "/tmp/fathom-buffers-%ld.%s", (long)getpid(), extension);
+    const char *path = unit_text("/tmp/fathom-buffers-%ld.%s", (long)getpid(), extension);
     fathom_generate_options options = default_generate_options();
     options.triangles = 2000000;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));

@@ -326,11 +326,9 @@ UNIT_TEST(meshes) {
     MESH("positions[3]", m.positions = odd);
     for (int k = 0; k < 36; ++k) {
         float p[12];
-        char words[32];
         memcpy(p, corners, sizeof p);
         p[k / 3] = (float)bad[k % 3];
-        snprintf(words, sizeof words, "positions[%d]", k / 9);
-        MESH(words, m.positions = p);
+        MESH(unit_text("positions[%d]", k / 9), m.positions = p);
     }
     MESH("indices[5]: 4, of triangle 1, is out of range; there are 4", m.indices = beyond);
     MESH("normals: expected one for each of the 4 vertices, or normal_indices; found 3", m.normals = corners,

@@ -65,10 +65,8 @@ UNIT_TEST(files_below_the_folder_stay_and_others_are_copied) {
     fathom_scene *back = through(wearing_two("below/x.png", false), JSON);
     assert_string_equal(file_of(back, FATHOM_MAP_ROUGHNESS), in_folder("below/x.png"));
     unlink(file_of(back, FATHOM_MAP_COLOR));
-    char path[256];
     assert_int_equal(mkdir(in_folder("below-2"), 0700), 0);
-    snprintf(path, sizeof path, "%s", in_folder("below-2/y.png"));
-    unit_write_file(path, "\x89PNG\r\n above", 12);
+    unit_write_file(unit_text("%s", in_folder("below-2/y.png")), "\x89PNG\r\n above", 12);
     fathom_scene *scene = wearing_two("below-2/y.png", true);
     assert_ok(context, fathom_scene_write(scene, in_folder("below/a.json")));
     assert_file(in_folder("below/a-0.png"), "\x89PNG\r\n above");
@@ -100,22 +98,18 @@ UNIT_TEST(json_names_images_whatever_they_are_called) {
                                                                                           "a\xff.json"};
     for (size_t i = 0; i < 6; ++i) {
         const char *name = names[i / 2], *out = outs[i % 2];
-        char copy[256];
         unit_write_file(in_folder(name), "\x89PNG\r\n outer", 12);
         fathom_scene *scene = wearing_two(name, false);
         fathom_scene *back = written(scene, out);
         assert_file(file_of(back, FATHOM_MAP_ROUGHNESS), "\x89PNG\r\n outer");
         assert_file(file_of(back, FATHOM_MAP_COLOR), "\x89PNG\r\n inner");
-        snprintf(copy, sizeof copy, "%s", file_of(back, FATHOM_MAP_ROUGHNESS));
-        unlink(copy), unlink(file_of(back, FATHOM_MAP_COLOR));
+        unlink(unit_text("%s", file_of(back, FATHOM_MAP_ROUGHNESS))), unlink(file_of(back, FATHOM_MAP_COLOR));
     }
 }
 
 static const char *face_path(const char *pattern, unsigned face) {
     static const char *const words[] = {"px", "nx", "py", "ny", "pz", "nz"};
-    char name[64];
-    snprintf(name, sizeof name, pattern, words[face]);
-    return in_folder(name);
+    return in_folder(unit_text(pattern, words[face]));
 }
 
 static void add_sky(fathom_scene *scene, const char *pattern) {
