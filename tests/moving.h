@@ -67,7 +67,8 @@ static inline stage moving_stage(unsigned moves, double open, double close) {
     stage s = stage_open(32, 32);
     const fathom_material m = shiny();
     const fathom_id material = stage_material(&s, &m), red = stage_lambert(&s, 0.6f);
-    const fathom_id turning = stage_group(&s), flying = stage_group(&s), nest = stage_group(&s);
+    const fathom_id turning = new_group(s.scene, NULL), flying = new_group(s.scene, NULL),
+                    nest = new_group(s.scene, NULL);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 64, s.settings.max_depth = 4;
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0.3f, 0.4f, 0.5f}));

@@ -27,3 +27,21 @@ static inline fathom_scene *scene_of_file(fathom_context *context, const char *p
     assert_ok(context, fathom_scene_read(context, path, &scene));
     return own_scene(scene);
 }
+
+static inline fathom_id new_group(fathom_scene *scene, const char *name) {
+    fathom_id id;
+    assert_int_equal(fathom_scene_add_group(scene, name, &id), FATHOM_OK);
+    return id;
+}
+
+static inline fathom_id new_material(fathom_scene *scene, const char *name, const fathom_material *material) {
+    fathom_id id;
+    assert_int_equal(fathom_scene_add_material(scene, name, material, &id), FATHOM_OK);
+    return id;
+}
+
+static inline fathom_id new_texture(fathom_scene *scene, const fathom_texture *texture) {
+    fathom_id id;
+    assert_int_equal(fathom_scene_add_texture(scene, texture, &id), FATHOM_OK);
+    return id;
+}

@@ -41,16 +41,8 @@ static inline void stage_shutter(stage *s, double open, double close) {
     assert_ok(s->context, fathom_scene_set_camera(s->scene, &camera));
 }
 
-static inline fathom_id stage_group(stage *s) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
-    return group;
-}
-
 static inline fathom_id stage_material(stage *s, const fathom_material *m) {
-    fathom_id id;
-    assert_ok(s->context, fathom_scene_add_material(s->scene, NULL, m, &id));
-    return id;
+    return new_material(s->scene, NULL, m);
 }
 
 /* Sends out radiance `e` and nothing else. */

@@ -24,11 +24,11 @@ typedef struct stage {
 
 UNIT_OWNS(tracer, trace_tracer, trace_destroy)
 
-static inline void stage_open(stage *s) {
-    memset(s, 0, sizeof *s);
+static inline stage stage_open(void) {
+    stage s = {.context = new_context()};
     seed = 88172645463325252u;
-    s->context = new_context();
-    s->scene = new_scene(s->context);
+    s.scene = new_scene(s.context);
+    return s;
 }
 
 static inline world *stage_world(stage *s) {

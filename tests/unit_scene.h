@@ -20,11 +20,7 @@ static inline int close_scene(void **state) {
     return 0;
 }
 
-static inline fathom_id add_group(void) {
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &id));
-    return id;
-}
+static inline fathom_id add_group(void) { return new_group(scene, NULL); }
 
 static inline void place_still(fathom_id group, fathom_id parent, const affine_f64 *map) {
     fathom_instance instance = default_instance();

@@ -20,9 +20,9 @@ static inline fathom_mesh triangle(fathom_id material) {
 
 static inline fathom_scene *wearing(const fathom_material *m, const fathom_texture *texture) {
     fathom_scene *scene = new_scene(context);
-    fathom_id id, image;
+    fathom_id image;
     if (texture) assert_ok(context, fathom_scene_add_texture(scene, texture, &image));
-    assert_ok(context, fathom_scene_add_material(scene, "two words", m, &id));
+    const fathom_id id = new_material(scene, "two words", m);
     const fathom_mesh mesh = triangle(id);
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
     return scene;

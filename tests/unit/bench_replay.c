@@ -25,8 +25,7 @@ static uint64_t met_closest(const ray_set *set) {
 #define RAYS 5003 /* no multiple of 16, and more than a piece of the replay */
 
 UNIT_TEST(forwards) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fill(&s);
     trace_tracer *real = stage_spec(&s, "embree:16");
     record r = {.blocks = 0};
@@ -51,8 +50,7 @@ UNIT_TEST(forwards) {
 /* Bare calls answer as the tracer does about hit or miss: the filter changes which of several, never whether.
  */
 static void replays(const char *words) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fill(&s);
     trace_tracer *real = stage_spec(&s, words);
     assert_true(embree_bare_possible(real));
@@ -89,8 +87,7 @@ UNIT_TEST(replays_packets) {
 }
 
 UNIT_TEST(others_have_no_bare_form) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fill(&s);
     trace_tracer *bvh = stage_spec(&s, "bvh");
     assert_false(embree_bare_possible(bvh));
@@ -98,8 +95,7 @@ UNIT_TEST(others_have_no_bare_form) {
 
 /* All rays of a render are asked again, however the image is cut into bands. */
 UNIT_TEST(measures) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fill(&s);
     fathom_light light = default_light();
     light.position[2] = 5;

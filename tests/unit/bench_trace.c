@@ -5,7 +5,7 @@
 #include "told.h"
 
 static void open_scene(stage *s) {
-    stage_open(s);
+    *s = stage_open();
     add_ball(s, FATHOM_ROOT, 24, 0.05, 0.7, 0, 0);
     add_grid(s, 8, -0.9);
     fathom_camera camera;

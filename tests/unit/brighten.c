@@ -18,11 +18,7 @@ static fathom_material shiny(float d, float s, fathom_specular specular, float n
     return m;
 }
 
-static fathom_id add(const char *name, const fathom_material *m) {
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_material(scene, name, m, &id));
-    return id;
-}
+static fathom_id add(const char *name, const fathom_material *m) { return new_material(scene, name, m); }
 
 static void add_sphere(fathom_id group, fathom_id material) {
     fathom_sphere sphere = default_sphere();

@@ -40,8 +40,7 @@ static void check(stage *s, const char *precision, ray_set set) {
 }
 
 UNIT_TEST(everything) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     stage_spec(&s, "bvh");
     check(&s, "f32", random_rays(20000));
@@ -93,13 +92,12 @@ static ray_set aimed_rays(const world *w, size_t count, double reach) {
 }
 
 UNIT_TEST(soup) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_soup(&s, 100000, 4);
     stage_spec(&s, "bvh");
     check(&s, "f32", aimed_rays(s.world, 200, 4));
     check(&s, "f64", aimed_rays(s.world, 16, 4));
-    stage_open(&s);
+    s = stage_open();
     add_soup(&s, 10000, 1);
     stage_spec(&s, "bvh");
     check(&s, "f32", aimed_rays(s.world, fewer(1200), 1));
@@ -109,12 +107,10 @@ UNIT_TEST(soup) {
 
 /* Everything twice and more: the first in world order stays, whatever the tree looks like. */
 UNIT_TEST(ties) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     const double center[3] = {0.2, 0, 0}, u[3] = {0.7, 0, 0}, v[3] = {0, 0.7, 0};
     const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "again", &group));
+    const fathom_id group = new_group(s.scene, "again");
     for (int i = 0; i < 3; ++i) add_grid(&s, 24, 0);
     for (int i = 0; i < 9; ++i) add_quad(&s, FATHOM_ROOT, center, i % 2 ? u : v, i % 2 ? v : u, 0);
     for (int i = 0; i < 9; ++i) add_sphere(&s, FATHOM_ROOT, 0.5, 0.5, 0, 0.3, 0);
@@ -129,8 +125,7 @@ UNIT_TEST(ties) {
 
 /* Spheres by their silhouettes, small and large, near and far. */
 UNIT_TEST(silhouettes) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     ray_set set = silhouette_rays(&s, 200, -4, 8000, -2, 6);
     same_as_linear(&s, "f32", &set);
     same_as_linear(&s, "f64", &set);
@@ -154,10 +149,8 @@ static void add_sliver(stage *s, fathom_id group, const double c[3]) {
  * and from as far as float lets a ray find them, where carrying it into their space moves it by their size.
  */
 UNIT_TEST(instances) {
-    stage s;
-    stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
+    stage s = stage_open();
+    const fathom_id group = new_group(s.scene, "group");
     add_ball(&s, group, 16, 0.1, 1, 0, 0);
     add_sphere(&s, group, 2, 0, 0, 0.5, 0);
     const double center[3] = {0, 2, 0}, u[3] = {0.5, 0, 0}, v[3] = {0, 0.2, 0.5};
@@ -203,8 +196,7 @@ static void random_map(double m[12]) {
 UNIT_TEST(lone_boxes) {
     size_t met = 0;
     for (int round = 0; round < 60; ++round) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         seed += 7919 * (uint64_t)round;
         double m[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
                c[3] = {between(-9, 9), between(-9, 9), between(-9, 9)};
@@ -241,8 +233,7 @@ UNIT_TEST(lone_boxes) {
 UNIT_TEST(scales) {
     const double reaches[] = {1e-12, 1e-6, 1e6, 1e15};
     for (int i = 0; i < 4; ++i) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         add_soup(&s, 300, reaches[i]);
         float *p = (float *)(uintptr_t)s.scene->meshes.items[0].positions;
         if (i == 0) { /* all of the triangles tiny, too */
@@ -264,8 +255,7 @@ UNIT_TEST(scales) {
 }
 
 UNIT_TEST(damaged_triangles_are_left_out) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_soup(&s, 1000, 1);
     float *p = (float *)(uintptr_t)s.scene->meshes.items[0].positions;
     const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e30f};
@@ -280,14 +270,13 @@ UNIT_TEST(damaged_triangles_are_left_out) {
 }
 
 UNIT_TEST(shadows_and_planes) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_shadow_columns(&s);
     add_plane(&s, -11, 0);
     stage_spec(&s, "bvh");
     check(&s, "f32", random_rays(5000));
     check(&s, "f64", random_rays(1000));
-    stage_open(&s); /* nothing at all */
+    s = stage_open(); /* nothing at all */
     ray_set set = random_rays(16);
     stage_spec(&s, "bvh");
     assert_int_equal(same_as_linear(&s, "f32", &set), 0);
@@ -341,8 +330,7 @@ static bool stop_at(void *user, double fraction) {
 }
 
 UNIT_TEST(building_can_be_stopped) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 100, 0.05, 1, 0, 0);
     stage_world(&s);
     trace_spec spec;

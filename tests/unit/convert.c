@@ -228,13 +228,12 @@ UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
             (fathom_map){.texture = 1, .channel = 3, .inverted = k >= 3, .transform = {2, 0, 0, 0, 2, 0}};
         if (other == 1) m.maps[alpha].transform[0] = 1;
         texture.color_space = FATHOM_COLOR_AUTO, texture.bytes = "\x89PNG\r\n";
-        fathom_id id;
         fathom_scene *scene = new_scene(context);
         assert_ok(context, fathom_scene_add_texture(scene, &texture, NULL));
         texture.color_space = FATHOM_COLOR_LINEAR;
         if (other == 2) texture.bytes = "\x89PNG\r\a";
         assert_ok(context, fathom_scene_add_texture(scene, &texture, NULL));
-        assert_ok(context, fathom_scene_add_material(scene, "two words", &m, &id));
+        const fathom_id id = new_material(scene, "two words", &m);
         const fathom_mesh mesh = triangle(id);
         assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));
         scene = through(scene, GLB);
@@ -362,14 +361,14 @@ static fathom_scene *rich_scene(bool parallel) {
     const fathom_texture texture = {
         .size = sizeof texture, .bytes = picture, .byte_count = sizeof picture - 1};
     fathom_material m = default_material();
-    fathom_id id, group;
+    fathom_id group;
     fathom_scene *scene = new_scene(context);
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.roughness = 0.3f, m.clearcoat = 0.4f, m.metallic = 0.2f;
     assert_ok(context, fathom_scene_add_texture(scene, &texture, &m.maps[FATHOM_MAP_COLOR].texture));
     m.maps[FATHOM_MAP_OPACITY] = m.maps[FATHOM_MAP_COLOR];
     m.maps[FATHOM_MAP_OPACITY].channel = 3;
     m.anisotropy = 0.6f;
-    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
+    const fathom_id id = new_material(scene, "m", &m);
     for (int i = 0; i < 3; ++i) {
         fathom_mesh mesh = triangle(id);
         mesh.normals = normals, mesh.normal_count = 3, mesh.tangents = tangents;

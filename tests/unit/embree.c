@@ -59,8 +59,7 @@ static size_t agrees_with_linear(stage *s, ray_set set) {
 }
 
 UNIT_TEST(parity) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     stage_embree(&s, 1);
     /* A random ray comes so near to an edge once in some 10^5 (16 units, 3 edges, at most 10 triangles deep).
@@ -139,8 +138,7 @@ static void one_answer(stage *s, ray_set set) {
 }
 
 UNIT_TEST(one_answer_on_everything) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     stage_embree(&s, 1);
     one_answer(&s, random_rays(fewer(10003)));
@@ -150,8 +148,7 @@ UNIT_TEST(one_answer_on_everything) {
 
 /* Twice the same mesh, meshes in one plane, meshes through each other: ties everywhere. */
 UNIT_TEST(one_answer_on_ties) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 40, 0.05, 0.5, 0, 0);
     add_ball(&s, FATHOM_ROOT, 40, 0.05, 0.5, 0, 0);
     add_ball(&s, FATHOM_ROOT, 33, 0.03, 0.6, 0.2, 0);

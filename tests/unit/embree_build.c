@@ -60,8 +60,7 @@ static float depth(const trace_tracer *tracer, double x, double y) {
 static bool triangle_at(float t, float expected) { return fabsf(t - expected) <= 0x1p-21f * expected; }
 
 UNIT_TEST(shadows_pass_what_casts_none) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_shadow_columns(&s);
     for (size_t i = 0; i < 4; ++i) {
         trace_tracer *tracer = stage_embree(&s, widths[i]);
@@ -75,10 +74,8 @@ UNIT_TEST(shadows_pass_what_casts_none) {
 }
 
 UNIT_TEST(nothing_to_hit) {
-    stage s;
-    stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "empty", &group));
+    stage s = stage_open();
+    const fathom_id group = new_group(s.scene, "empty");
     const double identity[12] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     add_instance(&s, group, identity);
     for (size_t i = 0; i < 4; ++i) {
@@ -97,8 +94,7 @@ UNIT_TEST(damaged_triangles_are_left_out) {
     static float p[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0, 0, 0,
                         1,  0,  0, 2, 0,  0, 3, 0, 0, 0,  0, 0, 0, 0};
     static const uint32_t t[] = {0, 1, 2, 2, 3, 0, 0, 1, 4, 1, 2, 5, 2, 3, 6, 0, 0, 1, 0, 2, 0};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 7, mesh.indices = t, mesh.triangle_count = 7;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -109,7 +105,7 @@ UNIT_TEST(damaged_triangles_are_left_out) {
         assert_true(depth(tracer, 3, 3) == INFINITY);
     }
     /* Nothing but damage is an empty scene, not a failure. */
-    stage_open(&s);
+    s = stage_open();
     mesh.indices = t + 6, mesh.triangle_count = 3;
     p[3 * 4] = 0, p[3 * 5 + 1] = 0, p[3 * 6 + 2] = 3;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -120,10 +116,8 @@ UNIT_TEST(damaged_triangles_are_left_out) {
 
 /* Beyond 1.8e18 Embree would abort, in the space of an instance too: a ray from there meets nothing. */
 UNIT_TEST(far_rays_are_harmless) {
-    stage s;
-    stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "small", &group));
+    stage s = stage_open();
+    const fathom_id group = new_group(s.scene, "small");
     add_sphere(&s, group, 0, 0, 0, 1e8, 0);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 0.5, 0);
     add_instance(&s, group, (double[12]){1e-8, 0, 0, 0, 0, 1e-8, 0, 0, 0, 0, 1e-8, 0});
@@ -136,8 +130,7 @@ UNIT_TEST(far_rays_are_harmless) {
 
 /* A group at the origin beside a sphere in the root, by a frame that scales and moves it along x. */
 static void fill_scaled(stage *s, double radius, double scale, double shift) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "scaled", &group));
+    const fathom_id group = new_group(s->scene, "scaled");
     add_sphere(s, group, 0, 0, 0, radius, 0);
     add_sphere(s, FATHOM_ROOT, 0, 0, 0, 0.1, 0);
     add_instance(s, group, (double[12]){scale, 0, 0, shift, 0, scale, 0, 0, 0, 0, scale, 0});
@@ -161,8 +154,7 @@ UNIT_TEST(frames_beyond_float_are_refused) {
                  {1e-11, 1e11, 0, "instance 0, of \"scaled\": it scales its group so far"},
                  {1e-14, 1e14, 0, "instance 0, of \"scaled\": it scales its group so far"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         fill_scaled(&s, cases[i].radius, cases[i].scale, cases[i].shift);
         assert_fails(s.context, reach_check(s.context, s.world), FATHOM_BAD_INPUT, cases[i].message);
         const char *message = unit_text("%s", fathom_context_message(s.context));
@@ -178,8 +170,7 @@ UNIT_TEST(frames_beyond_float_are_refused) {
 UNIT_TEST(a_mesh_too_far_away_is_named) {
     static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     static const uint32_t indices[3] = {0, 1, 2};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
     fathom_mesh mesh = default_mesh();
     mesh.positions = corners, mesh.vertex_count = 3, mesh.indices = indices, mesh.triangle_count = 1;
@@ -212,8 +203,7 @@ UNIT_TEST(frames_of_every_shape) {
 UNIT_TEST(frames_within_float_are_met) {
     static const double scales[] = {2e-10, 1e-6, 1e6, 3e10};
     for (size_t i = 0; i < 4 * 4; ++i) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         fill_scaled(&s, 1 / scales[i / 4], scales[i / 4], 0);
         assert_ok(s.context, reach_check(s.context, s.world));
         trace_tracer *tracer = stage_embree(&s, widths[i % 4]);
@@ -230,14 +220,13 @@ static void count_warning(void *user, const char *message) {
 
 /* Too far out for Embree, which says nothing: so we do. */
 UNIT_TEST(instances_out_of_reach_are_told) {
-    stage s;
     unsigned count = 0;
-    stage_open(&s);
+    stage s = stage_open();
     fathom_context_on_warning(s.context, count_warning, &count);
     fill_scaled(&s, 1e10, 1e9, 0);
     assert_ok(s.context, reach_check(s.context, s.world));
     assert_int_equal(count, 1);
-    stage_open(&s);
+    s = stage_open();
     fathom_context_on_warning(s.context, count_warning, &count);
     fill_scaled(&s, 1e8, 1e9, 0);
     assert_ok(s.context, reach_check(s.context, s.world));
@@ -258,8 +247,7 @@ static bool watch(void *user, double fraction) {
 }
 
 UNIT_TEST(building_can_be_stopped) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 150, 0.05, 1, 0, 0);
     stage_world(&s);
     watched all = {.stop_at = 2}, at_once = {.stop_at = -1}, half = {.stop_at = 0.3};
@@ -279,8 +267,7 @@ UNIT_TEST(building_can_be_stopped) {
 }
 
 UNIT_TEST(tells_what_it_is) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 50, 0.05, 1, 0, 0);
     trace_tracer *tracer = stage_embree(&s, 16);
     assert_true(strncmp(trace_name(tracer), "Embree ", 7) == 0 && strstr(trace_name(tracer), ", "));
@@ -336,8 +323,7 @@ static void open_around(const trace_tracer *tracer, trace_coherence coherence, f
 UNIT_TEST(intervals_are_open) {
     static const char *const specs[] = {"linear",   "embree:1",  "embree:4",
                                         "embree:8", "embree:16", "embree:user"};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     const double origin[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
     add_quad(&s, FATHOM_ROOT, origin, u, v, 0);
     add_grid(&s, 4, -3);
@@ -359,8 +345,7 @@ UNIT_TEST(no_hit_lies_outside_its_interval) {
     static const char *const specs[] = {
         "embree", "embree:raw", "embree:default", "embree:default:1", "embree:default:raw", "embree:compact",
     };
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     const double origin[3] = {0, 0, 0}, u[3] = {1, 0, 0.1}, v[3] = {0.2, 1, 0};
     add_quad(&s, FATHOM_ROOT, origin, u, v, 0);
     add_ball(&s, FATHOM_ROOT, 9, 0.05, 0.9, 0, 0);
@@ -391,8 +376,7 @@ UNIT_TEST(threads_get_their_mode_back) {
 
 /* Hit or miss is decided by the intersector, so no box may stand in the way. */
 UNIT_TEST(boxes_hide_no_sphere) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     ray_set set = silhouette_rays(&s, 40, -2, 40000, 0.1, 2);
     trace_tracer *embree = stage_embree(&s, 16), *linear = stage_trace(&s, "reference", 16, 0, 1);
     ray_set e = traced(embree, &set, TRACE_COHERENT), l = traced(linear, &set, TRACE_COHERENT);

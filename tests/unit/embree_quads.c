@@ -16,8 +16,7 @@ static void random_axes(double u[3], double v[3]) {
 /* Around the origin, some of them in a group that a turned and scaled frame places. */
 static void add_quads(stage *s, unsigned count) {
     const double map[12] = {0.6, -0.8, 0, 0.3, 0.8, 0.6, 0.1, -0.2, 0, 0.2, 0.7, 0.1};
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "things", &group));
+    const fathom_id group = new_group(s->scene, "things");
     for (unsigned i = 0; i < count; ++i) {
         const double center[3] = {between(-1, 1), between(-1, 1), between(-1, 1)};
         double u[3], v[3];
@@ -60,8 +59,7 @@ static void check_against_reference(const world *w, const ray_set *got, size_t i
 
 /* A ray may differ where it passes within float's reach of a side: two in 40 thousand. */
 UNIT_TEST(hits_are_those_of_the_quads) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_quads(&s, 60);
     trace_tracer *linear = stage_spec(&s, "linear");
     ray_set set = random_rays(40003), expected = traced(linear, &set, TRACE_COHERENT);
@@ -100,8 +98,7 @@ static ray_set diagonal_rays(const world *w, size_t count) {
 }
 
 UNIT_TEST(nothing_leaks_along_the_diagonal) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     for (int i = 0; i < 20; ++i) {
         const double center[3] = {between(-1, 1), between(-1, 1), between(-1, 1)};
         double u[3], v[3];
@@ -123,8 +120,7 @@ UNIT_TEST(nothing_leaks_along_the_diagonal) {
 
 /* Two quads in one place: the first counts, and its u and v do not depend on the packets. */
 UNIT_TEST(equal_quads_have_one_answer) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     const double center[3] = {0, 0, 0}, u[3] = {0.9, 0.1, 0.2}, v[3] = {-0.1, 0.8, 0};
     add_quad(&s, FATHOM_ROOT, center, u, v, 0);
     add_quad(&s, FATHOM_ROOT, center, u, v, 0);
@@ -165,8 +161,7 @@ static bool meets(stage *s, const char *spec, double x, double y) {
  * one beyond Embree's range. */
 UNIT_TEST(halves_without_area_are_not_met) {
     static const char *const specs[] = {"linear", "embree:user", "embree"};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     const double u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
     for (int i = 0; i < 3; ++i) {
         const double center[3] = {4 * i, 0, 0};
@@ -189,8 +184,7 @@ UNIT_TEST(halves_without_area_are_not_met) {
 
 /* A square of 1e-13 next to one of 1: products of its sides leave float's range. */
 UNIT_TEST(tiny_quads_next_to_large_ones_are_met) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     const double center[3] = {0, 0, 0}, far[3] = {3, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
     const double tiny_u[3] = {1e-13, 0, 0}, tiny_v[3] = {0, 1e-13, 0};
     add_quad(&s, FATHOM_ROOT, far, u, v, 0);

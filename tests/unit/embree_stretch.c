@@ -50,8 +50,7 @@ static void scales(void *user, const char *text) {
 }
 
 UNIT_TEST(test_embree) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     stage_world(&s);
     ray_set rays = random_rays(403);
@@ -66,10 +65,8 @@ UNIT_TEST(test_embree) {
 /* In a group that an instance shrinks to 2^-32, rays longer than 2^27 would leave Embree's range. */
 UNIT_TEST(long_directions_reach_into_small_instances) {
     static const double small[12] = {0x1p-32, 0, 0, 0, 0, 0x1p-32, 0, 0, 0, 0, 0x1p-32, 0};
-    stage s;
-    stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
+    stage s = stage_open();
+    const fathom_id group = new_group(s.scene, NULL);
     add_sphere(&s, group, 0, 0, 0, 0x1p32, 0);
     add_instance(&s, group, small);
     trace_tracer *tracer = stage_embree(&s, 16);

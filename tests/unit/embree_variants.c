@@ -32,8 +32,7 @@ UNIT_TEST(no_call_hangs) {
         assert_true(child >= 0);
         if (child == 0) {
             alarm(100);
-            stage s;
-            stage_open(&s);
+            stage s = stage_open();
             if (i)
                 add_everything(&s);
             else
@@ -77,8 +76,7 @@ static void agrees(void *user, const char *text) {
 
 /* Random rays come within float's reach of an edge or a silhouette once in some 10^4. */
 UNIT_TEST(all_agree_with_linear) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     trace_tracer *linear = stage_spec(&s, "linear");
     ray_set set = random_rays(fewer(1203));
@@ -95,8 +93,7 @@ UNIT_TEST(all_agree_with_linear) {
  * of its own.) */
 UNIT_TEST(user_geometry_is_linear_search) {
     static const char *const specs[] = {"embree:user", "embree:user:1:high", "embree:user:8:low"};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 20, 0.05, 0.9, 0, 0);
     add_ball(&s, FATHOM_ROOT, 20, 0.05, 0.9, 0, 0);
     add_grid(&s, 20, -0.5);
@@ -127,8 +124,7 @@ UNIT_TEST(user_geometry_is_linear_search) {
 UNIT_TEST(damaged_user_triangles_are_left_out) {
     static float p[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 0, 0};
     static const uint32_t t[] = {0, 1, 2, 0, 1, 3, 1, 2, 4, 0, 0, 1};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 5, mesh.indices = t, mesh.triangle_count = 4;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -151,11 +147,9 @@ UNIT_TEST(raw_is_settled_but_for_ties) {
         "embree:medium:raw:8",
         "embree:medium:raw:16",
     };
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 20, 0.05, 1, 0, 0);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
+    const fathom_id group = new_group(s.scene, "group");
     add_ball(&s, group, 8, 0.1, 0.5, 0, 0);
     const double move[12] = {-0.5, 0, 0, 2, 0, 1.5, 0, 0, 0, 0, 0.2, 0.5};
     add_instance(&s, group, move);
@@ -180,8 +174,7 @@ UNIT_TEST(raw_is_settled_but_for_ties) {
 UNIT_TEST(lanes_are_apart) {
     static const char *const specs[] = {"embree:1",  "embree:4",      "embree:8",
                                         "embree:16", "embree:raw:16", "embree:user:4"};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 10, 0, 1, 0, 0);
     for (size_t k = 0; k < sizeof specs / sizeof *specs; ++k) {
         trace_tracer *tracer = stage_spec(&s, specs[k]);
@@ -215,8 +208,7 @@ UNIT_TEST(lanes_are_apart) {
 /* The instruction set asked for is told. */
 UNIT_TEST(instruction_sets) {
 #if defined(__x86_64__)
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 10, 0, 1, 0, 0);
     trace_tracer *tracer = stage_spec(&s, "embree:16:sse2");
     assert_non_null(strstr(trace_name(tracer), ", SSE2"));

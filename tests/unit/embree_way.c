@@ -21,8 +21,7 @@ static bool together(const trace_tracer *tracer, const trace_rays *rays, trace_c
 }
 
 UNIT_TEST(by_spread) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 8, 0.1, 1, 0, 0);
     trace_tracer *tracer = stage_embree(&s, 16);
     trace_rays rays;
@@ -49,8 +48,7 @@ UNIT_TEST(by_spread) {
 
 /* Every coordinate counts, and every lane. */
 UNIT_TEST(any_direction) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 8, 0.1, 1, 0, 0);
     trace_tracer *tracer = stage_embree(&s, 16);
     for (unsigned c = 0; c < 3; ++c) {
@@ -74,10 +72,9 @@ static void assert_way(embree_way way, unsigned width, bool coherent) {
 /* Kernels that were named are kept where the processor has them, and instances have none for rays together.
  */
 UNIT_TEST(never_together) {
-    stage s;
     trace_rays rays;
     lean(&rays, 0);
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 8, 0.1, 1, 0, 0);
     trace_tracer *named = stage_spec(&s, "embree:16");
     const embree_tracer *embree = (const embree_tracer *)named;
@@ -86,7 +83,7 @@ UNIT_TEST(never_together) {
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_NEIGHBOURS), widest, false);
     assert_way(embree_way_closest(embree, &rays, 16, TRACE_COHERENT), widest, true);
     assert_way(embree_way_any(embree, &rays, 16, TRACE_INCOHERENT), widest, false);
-    stage_open(&s);
+    s = stage_open();
     add_everything(&s);
     trace_tracer *instanced = stage_embree(&s, 16);
     embree = (const embree_tracer *)instanced;
@@ -137,13 +134,12 @@ static void answers_alike(stage *s, trace_coherence hint) {
 }
 
 UNIT_TEST(same_answers) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 40, 0.1, 1, 0, 0);
     add_grid(&s, 10, -1.2);
     for (int hint = TRACE_INCOHERENT; hint <= TRACE_COHERENT; ++hint)
         answers_alike(&s, (trace_coherence)hint);
-    stage_open(&s);
+    s = stage_open();
     add_everything(&s);
     for (int hint = TRACE_INCOHERENT; hint <= TRACE_COHERENT; ++hint)
         answers_alike(&s, (trace_coherence)hint);
@@ -151,8 +147,7 @@ UNIT_TEST(same_answers) {
 
 /* Lanes past the count stay as they are, rays and hits, however the block is taken apart. */
 UNIT_TEST(others_untouched) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 12, 0.1, 1, 0, 0);
     for (unsigned width = 1; width <= 16; width *= 2) {
         if (width == 2) continue;

@@ -8,10 +8,8 @@ static const double errors = 5;
 
 static fathom_id emission(float r, float g, float b) {
     fathom_material m = default_material();
-    fathom_id id;
     m.k_e[0] = r, m.k_e[1] = g, m.k_e[2] = b;
-    assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
-    return id;
+    return new_material(scene, NULL, &m);
 }
 
 static void add_sphere(fathom_id group, vec3_f64 center, double radius, fathom_id material) {
@@ -195,9 +193,8 @@ UNIT_TEST(a_point_light_falls_off_by_the_square) {
 
 /* A flattened sphere against rays in all directions. */
 UNIT_TEST(an_ellipsoid_sends_what_rays_find) {
-    fathom_id group;
     fathom_instance place = default_instance();
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     add_sphere(group, vec_f64(0.1, 0, 0), 0.5, emission(1, 1, 1));
     const double map[12] = {1.5, 0.3, 0, 0.2, 0, 0.4, 0.2, -0.3, 0.1, 0, 0.8, 1.2};
     memcpy(place.transform, map, sizeof map), place.group = group;
@@ -229,8 +226,7 @@ UNIT_TEST(an_ellipsoid_sends_what_rays_find) {
 
 /* Small spheres in a box, some of them instanced, and lamps. */
 static uint32_t many(random_state *r, uint32_t count, vec3_f64 *at) {
-    fathom_id group;
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     add_sphere(group, origin, 0.003, emission(5, 1, 2));
     for (uint32_t k = 0; k < count; ++k) {
         at[k] = vec_f64(random_in(r, -4, 4), random_in(r, -4, 4), random_in(r, -4, 4));
@@ -483,9 +479,8 @@ static void add_lamp(random_state *r) {
 }
 
 static void add_stretched(random_state *r, fathom_id material) {
-    fathom_id group;
     fathom_instance place = default_instance();
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     add_sphere(group, origin, random_log(r, 0.01, 1), material);
     place.group = group;
     for (int k = 0; k < 12; ++k) place.transform[k] = k % 5 ? random_in(r, -0.3, 0.3) : random_in(r, 0.5, 2);

@@ -4,10 +4,8 @@
 
 static fathom_id glow(void) {
     fathom_material m = default_material();
-    fathom_id id;
     for (int c = 0; c < 3; ++c) m.k_e[c] = 2;
-    assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
-    return id;
+    return new_material(scene, NULL, &m);
 }
 
 /* A second light, so that there is a choice. */
@@ -130,9 +128,8 @@ static uint32_t triangle_hit(vec3_f64 p, vec3_f64 to) {
 UNIT_TEST(hits_on_either_triangle_have_the_density_of_samples) {
     random_state r = {3};
     unsigned found[5] = {0};
-    fathom_id group;
     fathom_instance instance = default_instance();
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     add_mesh(group, squares[0], 8, halves, 4);
     instance.group = group;
     memcpy(instance.transform, map, sizeof map);

@@ -41,16 +41,14 @@ static void make_texels(double chance) {
 static fathom_id screen(void) {
     fathom_texture t = default_texture();
     fathom_material m = default_material();
-    fathom_id texture, id;
     const int header = snprintf((char *)file, sizeof file, "P6\n%d %d\n255\n", SIDE, SIDE);
     memcpy(file + header, texels, sizeof texels);
     t.bytes = file, t.byte_count = (size_t)header + sizeof texels, t.name = "screen.ppm";
     t.color_space = FATHOM_COLOR_LINEAR, t.filter = FATHOM_TEXTURE_NEAREST;
-    assert_ok(context, fathom_scene_add_texture(scene, &t, &texture));
+    const fathom_id texture = new_texture(scene, &t);
     for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_e[c] = 1;
     m.maps[FATHOM_MAP_EMISSIVE].texture = texture;
-    assert_ok(context, fathom_scene_add_material(scene, NULL, &m, &id));
-    return id;
+    return new_material(scene, NULL, &m);
 }
 
 /* ---- shapes: the square [-1,1]² at z = 1, and a ball ---- */
@@ -77,10 +75,9 @@ static void add_mesh(fathom_id group, float size) {
 static void add_placed(bool moving) {
     static const double times[] = {0, 1}, keys[24] = {0.5, 0,    0, 0, 0,   0.5, 0, 0, 0, 0, 0.5, 0,
                                                       0,   -0.5, 0, 4, 0.5, 0,   0, 0, 0, 0, 1,   0};
-    fathom_id group;
     fathom_instance instance = default_instance();
     fathom_camera camera = default_camera();
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     add_mesh(group, 2);
     instance.group = group;
     memcpy(instance.transform, keys, sizeof instance.transform);
@@ -212,10 +209,9 @@ UNIT_TEST(an_even_image_is_not_divided) {
 
 /* 2^18 cells for all: each of 10,000 screens of two triangles gets 8, and would get 32 alone. */
 UNIT_TEST(many_screens_share_the_cells) {
-    fathom_id group;
     fathom_instance instance = default_instance();
     make_texels(0.1);
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     add_mesh(group, 1);
     instance.group = group;
     for (int k = 0; k < 10000; ++k) {

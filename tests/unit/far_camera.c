@@ -125,11 +125,9 @@ static fathom_id add_checker(stage *s) {
         memcpy(bytes + header + (size_t)i * sizeof(float), &(float){(float)((i + i / TEXELS) % 2)},
                sizeof(float));
     fathom_texture t = default_texture();
-    fathom_id id;
     t.bytes = bytes, t.byte_count = (size_t)header + MOST * sizeof(float), t.name = "checker.pfm";
     t.color_space = FATHOM_COLOR_LINEAR;
-    assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
-    return id;
+    return new_texture(s->scene, &t);
 }
 
 /* A pixel covers about 16 x 16 texels, and is as grey as their mean. Levels of smaller images are grey all

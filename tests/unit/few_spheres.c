@@ -58,8 +58,7 @@ static void check(const stage *s, const ray_set *set, const trace_tracer *linear
 
 UNIT_TEST(few_spheres_are_met_as_by_linear_search) {
     for (unsigned count = 1; count <= FEW_SPHERES_MOST + 1; count += 5) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         add_spheres(&s, count);
         trace_tracer *linear = stage_spec(&s, "linear");
         ray_set sets[] = {random_rays(fewer(10003)), beams(fewer(20005)), camera_rays(60)};
@@ -69,8 +68,7 @@ UNIT_TEST(few_spheres_are_met_as_by_linear_search) {
 
 /* Where hit or miss is decided by double, and no triangle is near. */
 UNIT_TEST(silhouettes_are_those_of_linear_search) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     ray_set set = silhouette_rays(&s, FEW_SPHERES_MOST, -4, 30000, 0.2, 4);
     trace_tracer *linear = stage_spec(&s, "linear"), *embree = stage_spec(&s, "embree");
     ray_set a = traced(linear, &set, TRACE_INCOHERENT), b = traced(embree, &set, TRACE_INCOHERENT);
@@ -80,8 +78,7 @@ UNIT_TEST(silhouettes_are_those_of_linear_search) {
 /* What is left out as too far from a block's beam is met by none of its rays. */
 UNIT_TEST(nothing_close_is_left_out) {
     const few_kernels *kernels = few_kernels_best();
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_spheres(&s, FEW_SPHERES_MOST);
     trace_tracer *linear = stage_spec(&s, "linear");
     few_spheres spheres;

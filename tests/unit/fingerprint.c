@@ -21,7 +21,6 @@ static int set_up(void **state) {
     fathom_plane plane = default_plane();
     fathom_mesh mesh = default_mesh();
     fathom_instance instance = default_instance();
-    fathom_id group;
     mesh.positions = positions, mesh.vertex_count = 4, mesh.indices = triangles, mesh.triangle_count = 2;
     mesh.normals = positions + 3, mesh.normal_count = 4, mesh.normal_indices = triangles;
     mesh.uvs = positions, mesh.uv_count = 4;
@@ -29,7 +28,7 @@ static int set_up(void **state) {
     scene = new_scene(context);
     assert_ok(context, fathom_scene_add_material(scene, "m", &material, NULL));
     assert_ok(context, fathom_scene_add_light(scene, &light, NULL));
-    assert_ok(context, fathom_scene_add_group(scene, "g", &group));
+    const fathom_id group = new_group(scene, "g");
     assert_ok(context, fathom_scene_add_sphere(scene, group, &sphere, NULL));
     assert_ok(context, fathom_scene_add_quad(scene, group, &quad, NULL));
     assert_ok(context, fathom_scene_add_plane(scene, FATHOM_ROOT, &plane, NULL));

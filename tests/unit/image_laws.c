@@ -59,8 +59,7 @@ static void add_shape(stage *s, const layout *l, const fathom_id material[MATERI
 }
 
 static void add_meshes(stage *s, const layout *l, const fathom_id material[MATERIALS]) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "ball", &group));
+    const fathom_id group = new_group(s->scene, "ball");
     stage_mesh_sphere(s, group, 12, 24, material[SHINY]);
     for (int k = 0; k < 2; ++k) {
         fathom_instance instance = default_instance();

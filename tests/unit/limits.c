@@ -10,8 +10,7 @@
 static fathom_id nest(stage *s, unsigned depth) {
     fathom_id inner = FATHOM_NONE;
     for (unsigned i = 0; i < depth; ++i) {
-        fathom_id group;
-        assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
+        const fathom_id group = new_group(s->scene, NULL);
         if (i == 0) {
             fathom_sphere sphere = default_sphere();
             sphere.radius = 0.5, sphere.material = stage_emitter(s, 1);

@@ -83,11 +83,10 @@ static const double turned[12] = {0, -1, 0, -2, 1, 0, 0, 1, 0, 0, 1, 0};
 
 static fixture everything(random_state *r) {
     fixture f = begin();
-    fathom_id group;
     for (int i = 0; i < VERTICES * 5; ++i) strided[i] = (float)random_in(r, -2, 2);
     for (int i = 0; i < VERTICES * 3; ++i) tight[i] = (float)random_in(r, -2, 2);
     for (int i = 0; i < TRIANGLES * 3; ++i) indices[i] = (uint32_t)(random_bits(r) % VERTICES);
-    assert_ok(f.context, fathom_scene_add_group(f.scene, "group", &group));
+    const fathom_id group = new_group(f.scene, "group");
     for (fathom_id where = FATHOM_ROOT;; where = group) {
         add_sphere(&f, where, 1, 0, 0.5, 0.7, 0);
         add_sphere(&f, where, -1, 0.4, 0, 0.4, 0);
@@ -211,8 +210,7 @@ UNIT_TEST(blocks_are_single_rays) {
 UNIT_TEST(t_keeps_its_meaning) {
     random_state r = {2};
     fixture f = begin();
-    fathom_id group;
-    assert_ok(f.context, fathom_scene_add_group(f.scene, "group", &group));
+    const fathom_id group = new_group(f.scene, "group");
     add_sphere(&f, group, 0, 0, 0, 1, 0);
     add_instance(&f, group, mirrored);
     build(&f);
@@ -252,8 +250,7 @@ UNIT_TEST(equal_t_goes_to_the_first) {
     static const uint32_t twice[9] = {0, 3, 3, 0, 1, 2, 0, 1, 2};
     static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     fixture f = begin();
-    fathom_id group;
-    assert_ok(f.context, fathom_scene_add_group(f.scene, "group", &group));
+    const fathom_id group = new_group(f.scene, "group");
     add_mesh(&f, group, wall, 4, twice + 3, 2, 0);
     add_instance(&f, group, identity);
     add_instance(&f, group, identity);
@@ -278,8 +275,7 @@ UNIT_TEST(first_instance_wins) {
     static const uint32_t one[3] = {0, 1, 2};
     static const double nearer[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0.5};
     fixture f = begin();
-    fathom_id group;
-    assert_ok(f.context, fathom_scene_add_group(f.scene, "group", &group));
+    const fathom_id group = new_group(f.scene, "group");
     add_mesh(&f, group, wall, 4, one, 1, 0);
     add_mesh(&f, FATHOM_ROOT, wall, 4, one, 1, 0);
     for (int i = 0; i < 3; ++i) add_instance(&f, group, i ? nearer : mirrored);

@@ -21,8 +21,7 @@ static answers answer(const trace_tracer *tracer, const ray_set *set) {
  * a cosine below c with probability c^2, so 2^12 units are exceeded once in (2^9)^2 rays. Rays come
  * within float's reach of an edge or a silhouette once in some 10^4. */
 UNIT_TEST(agree_but_for_precision) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     stage_spec(&s, forms[0]);
     ray_set set = random_rays(800);
@@ -56,8 +55,7 @@ UNIT_TEST(agree_but_for_precision) {
 /* Past a sphere 4096 radii away, by a hundredth of its radius inside or outside: beyond a plain quadratic
  * in float. */
 UNIT_TEST(far_spheres_are_met) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
     stage_spec(&s, forms[0]);
     enum { rays = 1000 };
@@ -85,8 +83,7 @@ UNIT_TEST(the_nearer_by_own_precision) {
     static const float p[] = {-1,       -1, 0,  1,        -1, 0, 0,        1, 0, -1, -1,
                               0x1p-30f, 1,  -1, 0x1p-30f, 0,  1, 0x1p-30f, 0, 0, 0,  0};
     static const uint32_t t[] = {0, 1, 2, 3, 4, 5};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 6, mesh.indices = t, mesh.triangle_count = 2;
     assert_ok(s.context, fathom_scene_add_mesh_shared(s.scene, FATHOM_ROOT, &mesh, NULL));
@@ -104,8 +101,7 @@ UNIT_TEST(the_nearer_by_own_precision) {
 /* Shadows pass what casts none, planes are seen, lanes past the count and empty intervals stay, and any hit
  * says what closest hit says. */
 UNIT_TEST(blocks_are_kept_to) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, FATHOM_CASTS_NO_SHADOW);
     add_sphere(&s, FATHOM_ROOT, 10, 0, 0, 1, 0);
     add_plane(&s, -5, FATHOM_CASTS_NO_SHADOW);
@@ -136,8 +132,7 @@ UNIT_TEST(blocks_are_kept_to) {
 }
 
 UNIT_TEST(any_is_closest) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     stage_spec(&s, forms[0]);
     ray_set set = random_rays(160);

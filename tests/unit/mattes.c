@@ -39,9 +39,7 @@ static void name_last(stage *s, const char *name) {
 }
 
 static fathom_id named_material(stage *s, const char *name, const fathom_material *m) {
-    fathom_id id;
-    assert_ok(s->context, fathom_scene_add_material(s->scene, name, m, &id));
-    return id;
+    return new_material(s->scene, name, m);
 }
 
 /* Balls before each other, one behind a veil that lets three quarters of the paths through, glass that does
@@ -255,8 +253,7 @@ static stage open_trees(const char *middle) {
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.spp = 16, s.settings.target_error = 0, s.settings.max_depth = 0;
     s.settings.aovs = FATHOM_AOV_CRYPTO_OBJECT | FATHOM_AOV_ALPHA;
-    fathom_id tree;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "tree", &tree));
+    const fathom_id tree = new_group(s.scene, "tree");
     for (int k = 0; k < 2; ++k) {
         const fathom_sphere ball = {{0, 0.4 * k, 0}, 0.2, 0, 0};
         assert_ok(s.context, fathom_scene_add_sphere(s.scene, tree, &ball, NULL));
@@ -294,8 +291,7 @@ UNIT_TEST(names_read_back) {
     static const char *const files[] = {"a.json", "a.glb", "a.obj"}, *const names[] = {"one", "two", "three"};
     for (int f = 0; f < 3; ++f) {
         stage s = stage_open(SIDE, SIDE);
-        fathom_id group;
-        assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
+        const fathom_id group = new_group(s.scene, "group");
         for (int k = 0; k < 3; ++k) {
             const fathom_sphere ball = {{2 * k, 0, 0}, 0.5, 0, 0};
             assert_ok(s.context, fathom_scene_add_sphere(s.scene, k == 2 ? group : FATHOM_ROOT, &ball, NULL));

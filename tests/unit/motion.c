@@ -112,7 +112,7 @@ static void moving_vertices(stage *s) {
 /* A ball of triangles that turns far and is stretched, a sphere that flies, a triangle whose corners move. */
 static stage moving_stage(void) {
     stage s = stage_open(32, 32);
-    const fathom_id ball = stage_group(&s), sphere = stage_group(&s);
+    const fathom_id ball = new_group(s.scene, NULL), sphere = new_group(s.scene, NULL);
     const vec3_f64 axis = {1, 1, 0.3}, still = {0, 0, 0}, one = {1, 1, 1}, wide = {1, 1.5, 0.7};
     const affine_f64 from = map_of(0, axis, still, one), to = map_of(2.5, axis, vec_f64(0.5, 0, 0), wide);
     const affine_f64 left = map_of(0, axis, vec_f64(-2, 2, 0), one),
@@ -266,7 +266,7 @@ UNIT_TEST(embree_meets_what_turns_in_a_squashed_group) {
 /* The vertices of a mesh that turns half around are as far from its centre at every time. */
 UNIT_TEST(turning_meshes_stay_rigid) {
     stage s = stage_open(8, 8);
-    const fathom_id ball = stage_group(&s);
+    const fathom_id ball = new_group(s.scene, NULL);
     const vec3_f64 axis = {1, 2, 3}, far = {100, 50, -20}, one = {1, 1, 1};
     const affine_f64 from = map_of(0, axis, far, one), to = map_of(3.1, axis, far, one);
     stage_mesh_sphere(&s, ball, 4, 6, 0);
@@ -313,7 +313,7 @@ UNIT_TEST(bad_keys_are_refused) {
     double maps[24] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     double times[2] = {1, 1};
     fathom_instance instance = default_instance();
-    instance.group = stage_group(&s);
+    instance.group = new_group(s.scene, NULL);
     instance.key_count = 2, instance.key_times = times, instance.key_transforms = maps;
     assert_refused(&s, fathom_scene_add_instance(s.scene, &instance, NULL), "later than the one before");
     times[1] = 2, maps[12] = -1;

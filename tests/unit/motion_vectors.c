@@ -43,8 +43,7 @@ static void flying_ball(stage *s, double dx, double dy) {
     double maps[24];
     memcpy(maps, still, sizeof still), memcpy(maps + 12, still, sizeof still);
     maps[12 + 3] = dx, maps[12 + 7] = dy;
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
+    const fathom_id group = new_group(s->scene, NULL);
     fathom_sphere ball = default_sphere();
     ball.radius = 1, ball.material = stage_emitter(s, 1);
     assert_ok(s->context, fathom_scene_add_sphere(s->scene, group, &ball, NULL));

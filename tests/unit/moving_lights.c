@@ -37,7 +37,8 @@ static stage lamp_stage(lamp kind) {
                         wide[12] = {1.4, 0, 0.2, 0.7, 0, 1.1, 0, -0.3, 0, 0, 0.8, 1},
                         turned[12] = {0, -1, 0, 0.5, 0.8, 0, -0.6, 0.1, 0.6, 0, 0.8, 1.8};
     stage s = stage_open(32, 32);
-    const fathom_id glow = stage_emitter(&s, 5), group = kind == CORNERS ? FATHOM_ROOT : stage_group(&s);
+    const fathom_id glow = stage_emitter(&s, 5),
+                    group = kind == CORNERS ? FATHOM_ROOT : new_group(s.scene, NULL);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     s.settings.target_error = 0, s.settings.spp = 16, s.settings.max_depth = 4;
     assert_ok(s.context, fathom_scene_set_background(s.scene, (float[3]){0, 0, 0}));

@@ -88,8 +88,7 @@ UNIT_TEST(fronts_stay_in_front_in_mirror_images) {
         mesh.positions = corners, mesh.vertex_count = 3, mesh.triangle_count = 1;
         mesh.indices = (const uint32_t[]){0, back ? 2 : 1, back ? 1 : 2};
         mesh.material = emitter(&s, false, 2);
-        fathom_id group;
-        assert_ok(s.context, fathom_scene_add_group(s.scene, NULL, &group));
+        const fathom_id group = new_group(s.scene, NULL);
         assert_ok(s.context, fathom_scene_add_mesh(s.scene, group, &mesh, NULL));
         fathom_instance instance = default_instance();
         instance.group = group, instance.transform[0] = mirrored ? -1 : 1, instance.transform[11] = -3;

@@ -1,11 +1,10 @@
 /* The exact search over a world against asking the oracle, in whole numbers, about every primitive. */
-#include "defaults.h"
 #include "random.h"
 #include "trace/trace.h"
-#include "unit.h"
 #include "verify/search/search.h"
+#include "worlds.h"
 
-#include <fathom/scene.h>
+UNIT_OWNS(search, search, search_destroy)
 
 typedef struct fixture {
     fathom_context *context;
@@ -65,14 +64,12 @@ static void add_instance(fathom_scene *scene, fathom_id group, const double rows
 }
 
 static int set_up(void **state) {
-    fixture *f = calloc(1, sizeof *f);
+    fixture *f = unit_memory(sizeof *f);
     random_state r = {1};
     make_sheet(&r);
-    assert_int_equal(fathom_context_create(&f->context), FATHOM_OK);
-    assert_ok(f->context, fathom_scene_create(f->context, &f->scene));
+    f->context = new_context(), f->scene = new_scene(f->context);
     add_shapes(f->scene, FATHOM_ROOT, &r);
-    fathom_id group;
-    assert_ok(f->context, fathom_scene_add_group(f->scene, "part", &group));
+    const fathom_id group = new_group(f->scene, "part");
     add_shapes(f->scene, group, &r);
     const double turned[12] = {0, -0.6, 0.8, 3, 1, 0, 0, 4, 0, 0.8, 0.6, 5};
     const double flat[12] = {2, 0, 0, -1, 0, 2, 0, 0, 0, 0, -0x1p-20, 7};
@@ -83,20 +80,11 @@ static int set_up(void **state) {
     fathom_plane plane = default_plane();
     plane.point[2] = -9;
     assert_ok(f->context, fathom_scene_add_plane(f->scene, FATHOM_ROOT, &plane, NULL));
-    assert_ok(f->context, world_create(f->scene, &f->world));
+    f->world = new_world(f->scene);
     positions[5] = NAN, positions[3 * 40] = INFINITY; /* behind the scene's back, which refuses them */
     assert_ok(f->context, search_create(f->context, f->world, &f->search));
+    own_search(f->search);
     *state = f;
-    return 0;
-}
-
-static int tear_down(void **state) {
-    fixture *f = *state;
-    search_destroy(f->search);
-    world_destroy(f->world);
-    fathom_scene_destroy(f->scene);
-    fathom_context_destroy(f->context);
-    free(f);
     return 0;
 }
 
@@ -218,4 +206,4 @@ UNIT_TEST(the_reference_tracer_finds_it_too) {
     trace_destroy(tracer);
 }
 
-int main(void) { return unit_main(set_up, tear_down); }
+int main(void) { return unit_main(set_up, NULL); }

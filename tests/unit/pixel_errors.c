@@ -263,11 +263,9 @@ static fathom_id add_bright_texels(stage *s) {
     static const unsigned char bytes[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"
                                          "\x80\x80\x80\x81\x80\x80\x80\x87";
     fathom_texture t = default_texture();
-    fathom_id id;
     t.bytes = bytes, t.byte_count = sizeof bytes - 1, t.name = "bright.hdr";
     t.filter = FATHOM_TEXTURE_NEAREST;
-    assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
-    return id;
+    return new_texture(s->scene, &t);
 }
 
 /* The error of the green of the image's first pixel, which shows nothing but black. */

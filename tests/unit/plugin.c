@@ -15,7 +15,7 @@ static size_t differ(stage *s, const char *library, const ray_set *set) {
 }
 
 static void open_meshes(stage *s) {
-    stage_open(s);
+    *s = stage_open();
     add_ball(s, FATHOM_ROOT, 10, 0.05, 1, 0, 0);
     add_ball(s, FATHOM_ROOT, 6, 0, 0.5, 2, FATHOM_CASTS_NO_SHADOW);
     add_ball(s, FATHOM_ROOT, 8, 0.1, 0.7, -2, 0);
@@ -105,13 +105,11 @@ UNIT_TEST(what_does_not_fit_is_refused) {
 UNIT_TEST(other_shapes_are_refused) {
     static const char *const names[] = {"spheres", "quads", "instances", "points"};
     for (int i = 0; i < 4; ++i) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         add_ball(&s, FATHOM_ROOT, 6, 0, 1, 0, 0);
         const double c[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
         const double move[12] = {1, 0, 0, 4, 0, 1, 0, 0, 0, 0, -1, 0};
-        fathom_id group;
-        assert_ok(s.context, fathom_scene_add_group(s.scene, "group", &group));
+        const fathom_id group = new_group(s.scene, "group");
         add_ball(&s, group, 6, 0, 1, 0, 0);
         if (i == 0) add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
         if (i == 1) add_quad(&s, FATHOM_ROOT, c, u, v, 0);

@@ -75,7 +75,7 @@ static stage crowd(bool apart) {
     stage_plane(&s, (double[]){0, -1.3, 0}, (double[]){0, 1, 0}, materials[0]);
     add_cloud(&s, FATHOM_ROOT, apart, materials[0]);
     for (int i = 0; i < 2; ++i) {
-        const fathom_id group = stage_group(&s);
+        const fathom_id group = new_group(s.scene, NULL);
         add_cloud(&s, group, apart, materials[1 + i]);
         place(&s, group, maps[i]);
     }
@@ -128,7 +128,7 @@ UNIT_TEST(a_moving_cloud_renders_as_its_spheres) {
     for (int k = 0; k < 2; ++k) {
         stage s = crowd(k == 0);
         fathom_instance instance = default_instance();
-        instance.group = stage_group(&s), instance.key_count = 2;
+        instance.group = new_group(s.scene, NULL), instance.key_count = 2;
         instance.key_times = times, instance.key_transforms = frames;
         add_cloud(&s, instance.group, k == 0, 0);
         assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));

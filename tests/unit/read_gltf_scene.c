@@ -297,10 +297,9 @@ UNIT_TEST(surroundings_only_when_asked_for) {
 /* Into a group other than the root: the instances lie in it. */
 UNIT_TEST(models_can_be_read_into_a_group) {
     write_triangle(SHOWN(TRIANGLE_MESH));
-    fathom_id group;
     const read_mesh_options options = {.material = FATHOM_NONE};
     fathom_scene *scene = new_scene(context);
-    assert_ok(context, fathom_scene_add_group(scene, "here", &group));
+    const fathom_id group = new_group(scene, "here");
     assert_ok(context, read_gltf(scene, group, file_path, &options));
     assert_int_equal(scene->instances.items[0].parent, group);
 }

@@ -74,11 +74,10 @@ static void add_ball_mesh(void) {
                               .triangle_count = count,
                               .normals = p[0],
                               .normal_count = RINGS * AROUND};
-    fathom_id group;
     fathom_instance instance = default_instance();
     const double map[12] = {0.5, 0, 0.2, 1, 0, -1.5, 0, 0, 0, 0.1, 0.7, -1};
     memcpy(instance.transform, map, sizeof map);
-    assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+    const fathom_id group = new_group(scene, NULL);
     instance.group = group;
     assert_ok(context, fathom_scene_add_mesh(scene, group, &mesh, NULL));
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));

@@ -2,7 +2,7 @@
 #include "stage.h"
 
 static void fill(stage *s) {
-    stage_open(s);
+    *s = stage_open();
     add_ball(s, FATHOM_ROOT, 10, 0.05, 1, 0, 0);
     add_sphere(s, FATHOM_ROOT, 1, 1, 0, 0.4, 0);
     assert_ok(s->context, fathom_scene_complete(s->scene));
@@ -50,8 +50,7 @@ UNIT_TEST(wrong_words_are_refused) {
 
 /* The scene keeps a copy, also when it is given its own text again. */
 UNIT_TEST(the_scene_copies_the_words) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     char words[] = "bvh:f64";
     fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);

@@ -112,10 +112,9 @@ UNIT_TEST(meshes_with_origins_of_their_own) {
 /* An instance's material stands for those of all it holds, planes too; the outermost wins. */
 UNIT_TEST(materials_of_instances) {
     fathom_material red = default_material(), blue;
-    fathom_id red_id, blue_id;
     blue = red;
-    assert_ok(context, fathom_scene_add_material(scene, "red", &red, &red_id));
-    assert_ok(context, fathom_scene_add_material(scene, "blue", &blue, &blue_id));
+    const fathom_id red_id = new_material(scene, "red", &red);
+    const fathom_id blue_id = new_material(scene, "blue", &blue);
     fathom_id inner = add_group(), outer = add_group();
     fathom_plane plane = default_plane();
     assert_ok(context, fathom_scene_add_plane(scene, inner, &plane, NULL));

@@ -242,8 +242,7 @@ UNIT_TEST(numbers_of_shapes_that_are_not_finite) {
                     "point");
     REFUSED_NUMBERS(fathom_plane, item.normal[i], 3, fathom_scene_add_plane(scene, FATHOM_ROOT, &item, NULL),
                     "normal");
-    fathom_id group;
-    assert_ok(context, fathom_scene_add_group(scene, "g", &group));
+    const fathom_id group = new_group(scene, "g");
     REFUSED_NUMBERS(fathom_instance, item.transform[i], 12,
                     (item.group = group, fathom_scene_add_instance(scene, &item, NULL)), "transform");
 }
@@ -371,8 +370,7 @@ UNIT_TEST(the_first_fault_is_told) {
 }
 
 UNIT_TEST(instances) {
-    fathom_id group;
-    assert_ok(context, fathom_scene_add_group(scene, "g", &group));
+    const fathom_id group = new_group(scene, "g");
 #define INSTANCE(words, ...)                                                                                 \
     do {                                                                                                     \
         fathom_instance i;                                                                                   \

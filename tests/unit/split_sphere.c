@@ -8,8 +8,7 @@
 static const double big = 16777216.5;
 
 static stage open_with(double radius, double z) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_sphere(&s, FATHOM_ROOT, 0, 0, z, radius, 0);
     stage_world(&s);
     return s;

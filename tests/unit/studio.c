@@ -176,10 +176,8 @@ UNIT_TEST(its_luminance_is_what_lamps_are_held_against) {
 
 static fathom_id add_emission(fathom_scene *scene, float radiance) {
     fathom_material m = default_material();
-    fathom_id id;
     for (int c = 0; c < 3; ++c) m.k_e[c] = radiance;
-    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
-    return id;
+    return new_material(scene, "m", &m);
 }
 
 /* A parallelogram. */
@@ -226,11 +224,10 @@ UNIT_TEST(a_room_is_lit_by_its_lamps_unless_they_are_dim) {
  * radiance, or a brighter one, it lights the wall. */
 static bool floor_leaves_studio(float specular, float radiance) {
     fathom_material m = default_material();
-    fathom_id id;
     m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.specular_factor = specular;
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = radiance;
     fathom_scene *scene = new_scene(context);
-    assert_ok(context, fathom_scene_add_material(scene, "m", &m, &id));
+    const fathom_id id = new_material(scene, "m", &m);
     add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 0, 1), id);
     add_wall(scene, vec_f64(0, 0, 0), vec_f64(1, 0, 0), vec_f64(0, 1, 0), 0);
     assert_ok(context, fathom_scene_complete(scene));

@@ -53,8 +53,7 @@ enum { VERTICES = 90 };
 /* A mesh of the stage's memory, in the world alone: `size` of a grid's step, `odd` times a number that no
  * reader would let through. */
 static void survey_one(float size, unsigned odd, uint32_t triangles, uint64_t key) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     random_state random = {key};
     float *p = unit_memory(sizeof(float) * (3 * VERTICES + 4));
     uint32_t *t = unit_memory(sizeof(uint32_t) * 3 * triangles);
@@ -88,8 +87,7 @@ UNIT_TEST(triangles_are_counted_as_defined) {
 /* Any number of vertices, packed and not. */
 UNIT_TEST(bounds_hold_every_vertex) {
     for (uint32_t count = 3; count < 40; ++count) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         random_state random = {count};
         size_t numbers = count % 2 ? 3 : 5;
         float *p = unit_memory(sizeof(float) * (numbers * count + 4));
@@ -122,8 +120,7 @@ UNIT_TEST(nothing_is_read_past_the_end) {
     assert_int_equal(mprotect(pages + page, page, PROT_NONE), 0);
     assert_int_equal(mprotect(pages + 3 * page, page, PROT_NONE), 0);
     for (uint32_t count = 3; count < 40; ++count) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         random_state random = {count};
         float *p = (float *)(void *)(pages + page) - 3 * count;
         uint32_t *t = (uint32_t *)(void *)(pages + 3 * page) - 3 * count;

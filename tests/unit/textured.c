@@ -22,12 +22,10 @@ static picture new_picture(unsigned width, unsigned height, const unsigned char 
 
 static fathom_id add_filtered(stage *s, const picture *p, fathom_wrap wrap, fathom_texture_filter filter) {
     fathom_texture t = default_texture();
-    fathom_id id;
     t.bytes = p->bytes, t.byte_count = p->size, t.name = "picture.ppm";
     t.color_space = FATHOM_COLOR_LINEAR, t.filter = filter;
     t.wrap_u = t.wrap_v = wrap;
-    assert_ok(s->context, fathom_scene_add_texture(s->scene, &t, &id));
-    return id;
+    return new_texture(s->scene, &t);
 }
 
 /* Texels as they are: linear, and without anything between them. */
@@ -325,7 +323,6 @@ static bool is_mirrored(lies how) { return how == LIES_MIRRORED || how == LIES_S
 
 static void add_mapped(stage *s, lies how, fathom_id material) {
     square q;
-    fathom_id group;
     fathom_instance instance = default_instance();
     if (how == LIES_QUAD) {
         add_square(s, material);
@@ -340,7 +337,7 @@ static void add_mapped(stage *s, lies how, fathom_id material) {
         add_mesh(s, &q);
         return;
     }
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &group));
+    const fathom_id group = new_group(s->scene, NULL);
     assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &q.mesh, NULL));
     instance.group = group, instance.transform[0] = -1;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));

@@ -22,9 +22,8 @@ static void fill(stage *s, unsigned index) {
     stage_plane(s, (double[3]){0, -1.5, 0}, (double[3]){0, 1, 0}, stage_lambert(s, 0.7f));
     fathom_generate_options options = default_generate_options();
     options.triangles = 2000 + 1000 * index, options.seed = index;
-    fathom_id group;
     fathom_instance instance = default_instance();
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "mesh", &group));
+    const fathom_id group = new_group(s->scene, "mesh");
     assert_ok(s->context, fathom_scene_generate(s->scene, group, &options));
     instance.group = group, instance.transform[3] = 1, instance.transform[11] = -7;
     assert_ok(s->context, fathom_scene_add_instance(s->scene, &instance, NULL));

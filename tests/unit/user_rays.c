@@ -50,8 +50,7 @@ static void add_surfaces(stage *s) {
                                 {-2, 0, 0, -4, 0, 0.5, 0, 3, 0.1, 0, 1, 1}};
     fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 8, mesh.indices = t, mesh.triangle_count = 12;
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "surfaces", &group));
+    const fathom_id group = new_group(s->scene, "surfaces");
     const fathom_id places[2] = {FATHOM_ROOT, group};
     for (size_t i = 0; i < 2; ++i) {
         assert_ok(s->context, fathom_scene_add_mesh(s->scene, places[i], &mesh, NULL));
@@ -81,8 +80,7 @@ static void shoot_from(stage *s, const fathom_tracer *tracer, const fathom_hit *
 }
 
 static void shoot_from_all(const char *kind) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_surfaces(&s);
     fathom_tracer *tracer = stage_tracer(&s, kind);
     for (int i = 0; i < 400; ++i) {
@@ -116,8 +114,7 @@ UNIT_TEST(a_sphere_anywhere) {
     const double places[] = {0, 1000, 1e7}, lengths[] = {1, 1e-200, 1e200};
     for (int k = 0; k < 18; ++k) {
         double at = places[k % 3], length = lengths[k / 3 % 3];
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         add_sphere(&s, FATHOM_ROOT, at, 2 * at, -at, 0.25, FATHOM_CASTS_NO_SHADOW);
         fathom_tracer *tracer = stage_tracer(&s, kinds[k / 9]);
         fathom_ray ray = {{at + 4, 2 * at, -at}, {-length, 0, 0}, 0, HUGE_VAL};
@@ -139,13 +136,11 @@ UNIT_TEST(a_mesh_instanced) {
     static const float n[] = {1, 0, 1, 1, 0, 1, 1, 0, 1};
     static const uint32_t t[] = {0, 1, 2};
     for (int k = 0; k < 2; ++k) {
-        stage s;
-        stage_open(&s);
-        fathom_id group, material, instance_material;
+        stage s = stage_open();
         fathom_material value = default_material();
-        assert_ok(s.context, fathom_scene_add_material(s.scene, "a", &value, &material));
-        assert_ok(s.context, fathom_scene_add_material(s.scene, "b", &value, &instance_material));
-        assert_ok(s.context, fathom_scene_add_group(s.scene, "g", &group));
+        const fathom_id material = new_material(s.scene, "a", &value);
+        const fathom_id instance_material = new_material(s.scene, "b", &value);
+        const fathom_id group = new_group(s.scene, "g");
         fathom_mesh mesh = default_mesh();
         mesh.positions = p, mesh.vertex_count = 3, mesh.indices = t, mesh.triangle_count = 1;
         mesh.normals = n, mesh.normal_count = 3, mesh.uvs = uv, mesh.uv_count = 3, mesh.material = material;
@@ -179,8 +174,7 @@ UNIT_TEST(a_mesh_instanced) {
 UNIT_TEST(normals_at_corners_count_as_unit) {
     static const float p[] = {0, 0, 0, 1, 0, 0, 0, 1, 0}, n[] = {0, 0, 8, 1, 0, 1, 0, 0.25f, 0.25f};
     static const uint32_t t[] = {0, 1, 2};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fathom_mesh mesh = default_mesh();
     mesh.positions = p, mesh.vertex_count = 3, mesh.indices = t, mesh.triangle_count = 1;
     mesh.normals = n, mesh.normal_count = 3;
@@ -194,8 +188,7 @@ UNIT_TEST(normals_at_corners_count_as_unit) {
 
 UNIT_TEST(a_quad_and_a_plane) {
     for (int k = 0; k < 2; ++k) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         const double center[3] = {0.5, 0.5, 1}, u[3] = {0.5, 0, 0}, v[3] = {0, 0.5, 0};
         add_quad(&s, FATHOM_ROOT, center, u, v, 0);
         add_plane(&s, -1, 0);
@@ -222,8 +215,7 @@ UNIT_TEST(a_quad_and_a_plane) {
 /* A ray continued from its own hit, with t_min 0, never finds the same surface again nearer than double's
  * rounding of the hit point: about 2^-50, not float's 2^-24. */
 UNIT_TEST(continuing_from_a_hit) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     fathom_tracer *tracer = stage_tracer(&s, "embree");
     for (int i = 0; i < 2000; ++i) {
@@ -248,8 +240,7 @@ UNIT_TEST(continuing_from_a_hit) {
  * times the line: 3.4 (1 + 2 √3) < 16. */
 UNIT_TEST(rays_from_far_away_hit_what_they_are_aimed_at) {
     for (int k = 0; k < 2; ++k) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
         add_plane(&s, -2, 0);
         fathom_tracer *tracer = stage_tracer(&s, kinds[k]);
@@ -277,8 +268,7 @@ UNIT_TEST(rays_from_far_away_hit_what_they_are_aimed_at) {
 /* Ids in images are those of hits: object, primitive within it, instance. Away from edges, which the float of
  * a position can cross. */
 UNIT_TEST(ids_in_images_are_those_of_hits) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_surfaces(&s);
     fathom_settings settings = default_settings();
     fathom_settings_set_integrator(&settings, FATHOM_INTEGRATOR_CLASSIC);
@@ -319,7 +309,7 @@ UNIT_TEST(ids_in_images_are_those_of_hits) {
 static const fathom_ray good = {{0, 0, 3}, {0, 0, -1}, 0, HUGE_VAL};
 
 static const fathom_tracer *unit_sphere(stage *s, const char *kind) {
-    stage_open(s);
+    *s = stage_open();
     add_sphere(s, FATHOM_ROOT, 0, 0, 0, 1, 0);
     return stage_tracer(s, kind);
 }
@@ -417,8 +407,7 @@ static void *run(void *user) {
 }
 
 UNIT_TEST(threads_share_a_tracer) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_everything(&s);
     fathom_tracer *tracer = stage_tracer(&s, "embree");
     static fathom_ray rays[1000];

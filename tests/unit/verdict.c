@@ -18,7 +18,7 @@ typedef struct court {
 
 static void court_open(court *c) {
     memset(c, 0, sizeof *c);
-    stage_open(&c->stage);
+    c->stage = stage_open();
 }
 
 static void court_begin(court *c) {
@@ -430,8 +430,7 @@ UNIT_TEST(test_errors) {
 UNIT_TEST(test_sphere_errors) {
     court c;
     court_open(&c);
-    fathom_id group;
-    assert_ok(c.stage.context, fathom_scene_add_group(c.stage.scene, "one", &group));
+    const fathom_id group = new_group(c.stage.scene, "one");
     add_sphere(&c.stage, group, 0, 0, 0, 1, 0);
     const double map[12] = {0, -2, 0, 0, 2, 0, 0, 0, 0, 0, 2, 0}; /* twice as large and turned about z */
     add_instance(&c.stage, group, map);

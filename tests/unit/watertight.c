@@ -32,9 +32,8 @@ static void add_body(stage *s, const body *b) {
 }
 
 static closed_how closed_of(const body *first, const body *second) {
-    stage s;
     closed_how how[2];
-    stage_open(&s);
+    stage s = stage_open();
     add_body(&s, first);
     if (second) add_body(&s, second);
     stage_world(&s);
@@ -68,10 +67,8 @@ static watertight *water(stage *s, const trace_tracer *tracer) {
 
 /* Balls in balls, one placed mirrored, turned and squeezed; spheres and open meshes do not count. */
 UNIT_TEST(depth_counts_closed_meshes) {
-    stage s;
-    stage_open(&s);
-    fathom_id group;
-    assert_ok(s.context, fathom_scene_add_group(s.scene, "ball", &group));
+    stage s = stage_open();
+    const fathom_id group = new_group(s.scene, "ball");
     add_ball(&s, FATHOM_ROOT, 20, 0.02, 3, 0, 0);
     add_ball(&s, FATHOM_ROOT, 20, 0.02, 2, 0, 0);
     add_ball(&s, group, 12, 0, 1, 0, 0);
@@ -97,13 +94,12 @@ UNIT_TEST(depth_counts_closed_meshes) {
 /* Nothing to do costs nothing: there is no object to ask. */
 UNIT_TEST(absent_where_not_needed) {
     static const char *const own[] = {"embree:user", "linear", "bvh"};
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_grid(&s, 4, 0);
     add_sphere(&s, FATHOM_ROOT, 0, 0, 0, 1, 0);
     trace_tracer *open = stage_spec(&s, "embree");
     assert_null(water(&s, open));
-    stage_open(&s);
+    s = stage_open();
     add_ball(&s, FATHOM_ROOT, 6, 0, 1, 0, 0);
     for (size_t i = 0; i < sizeof own / sizeof *own; ++i) {
         trace_tracer *tracer = stage_spec(&s, own[i]);
@@ -212,8 +208,7 @@ static size_t holds_from(stage *s, const char *spec, const view *v, size_t rays)
 }
 
 static size_t holds(const char *spec, double map_x, double x, double radius, uint8_t depth) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     fathom_id group = FATHOM_ROOT;
     if (map_x != 0) {
         assert_ok(s.context, fathom_scene_add_group(s.scene, "ball", &group));
@@ -271,8 +266,7 @@ static void add_shells(stage *s) { add_shells_to(s, FATHOM_ROOT); }
 
 /* Three shells in one mesh. */
 static void add_one_mesh(stage *s, fathom_id group, bool flip, bool split) {
-    stage parts;
-    stage_open(&parts);
+    stage parts = stage_open();
     add_shells(&parts);
     add_joined(s, group, &parts, flip, split);
 }
@@ -303,8 +297,7 @@ static void add_balls_aside(stage *s) {
 
 /* A mirrored and skewed instance inside a turned one; a ball inside both and one aside. */
 static void add_placed(stage *s) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "ball", &group));
+    const fathom_id group = new_group(s->scene, "ball");
     add_ball(s, group, 40, 0.01, 1, 0, 0);
     const double maps[3][12] = {{-1, 0.3, 0, 0, 0, 1, 0.2, 0, 0.1, 0, 1.1, 0},
                                 {1.8, -2.4, 0, 0, 2.4, 1.8, 0, 0, 0, 0, 3, 0},
@@ -314,8 +307,7 @@ static void add_placed(stage *s) {
 }
 
 static void add_placed_shells(stage *s) {
-    fathom_id group;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, "shells", &group));
+    const fathom_id group = new_group(s->scene, "shells");
     add_one_mesh(s, group, true, false);
     const double map[12] = {-1, 0.3, 0, 0, 0, 1, 0.2, 0, 0.1, 0, 1.1, 0};
     add_instance(s, group, map);
@@ -330,8 +322,7 @@ static void add_contents(stage *s) {
 
 /* A ball cut up, as by material. */
 static void add_halves(stage *s) {
-    stage parts;
-    stage_open(&parts);
+    stage parts = stage_open();
     add_ball(&parts, FATHOM_ROOT, 60, 0.02, 1, 0, 0);
     fathom_mesh half = parts.scene->meshes.items[0];
     uint32_t all = half.triangle_count;
@@ -369,8 +360,7 @@ UNIT_TEST(repair_does_not_depend_on_the_rest_of_the_scene) {
         {add_contents, {{{0, 6, 0}, 1, 0}, {{0, 2, 0}, 0.4, 1}, {{-1, 0, 0}, 0.3, 2}}, 3},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        stage s;
-        stage_open(&s);
+        stage s = stage_open();
         cases[k].add(&s);
         size_t before = 0;
         for (unsigned i = 0; i < cases[k].count; ++i)
@@ -381,8 +371,7 @@ UNIT_TEST(repair_does_not_depend_on_the_rest_of_the_scene) {
 
 /* From inside to infinity: everything is in the dark. */
 UNIT_TEST(shadows_hold) {
-    stage s;
-    stage_open(&s);
+    stage s = stage_open();
     add_ball(&s, FATHOM_ROOT, 60, 0.02, 1, 0, 0);
     trace_tracer *tracer = stage_spec(&s, "embree:default");
     watertight *w = water(&s, tracer);

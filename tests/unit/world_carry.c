@@ -26,8 +26,7 @@ static void place(stage *s, fathom_instance *instance, fathom_id group, fathom_i
 }
 
 static fathom_id add_group(stage *s) {
-    fathom_id id;
-    assert_ok(s->context, fathom_scene_add_group(s->scene, NULL, &id));
+    const fathom_id id = new_group(s->scene, NULL);
     return id;
 }
 

@@ -42,7 +42,7 @@ static void place_keys(stage *s, fathom_id parent, fathom_id group, const double
 UNIT_TEST(a_jerk_between_two_keys_is_followed) {
     const double times[KEYS] = {0, 0.5, 0.5 + 1.0 / 128, 0.5 + 1.0 / 64, 1}, x[KEYS] = {0, 0, 1, 0, 0};
     stage s = stage_open(8, 8);
-    const fathom_id group = stage_group(&s);
+    const fathom_id group = new_group(s.scene, NULL);
     add_triangle(&s, group);
     place_keys(&s, FATHOM_ROOT, group, times, x, KEYS, 1);
     stage_shutter(&s, 0, 1);
@@ -61,7 +61,7 @@ UNIT_TEST(a_jerk_between_two_keys_is_followed) {
 /* A triangle at the end of a lever that turns by `angle` about z. Returns the largest error at 999 times of
  * the shutter, which are none of those that choose the steps. */
 static double turn_lever(stage *s, double lever, double angle) {
-    const fathom_id arm = stage_group(s), body = stage_group(s);
+    const fathom_id arm = new_group(s->scene, NULL), body = new_group(s->scene, NULL);
     const double times[2] = {0, 1};
     const double keys[2][12] = {
         {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
@@ -113,7 +113,7 @@ UNIT_TEST(levers_too_long_for_the_steps_are_told) {
 UNIT_TEST(nested_places_that_leave_the_range_of_float_are_refused) {
     const double times[2] = {0, 1}, x[2] = {0, 1e-30};
     stage s = stage_open(8, 8);
-    const fathom_id outer = stage_group(&s), inner = stage_group(&s);
+    const fathom_id outer = new_group(s.scene, NULL), inner = new_group(s.scene, NULL);
     add_triangle(&s, inner);
     place_keys(&s, outer, inner, times, x, 2, 1e-25);
     place_keys(&s, FATHOM_ROOT, outer, times, x, 2, 1e-25);

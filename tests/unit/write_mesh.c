@@ -225,9 +225,7 @@ static fathom_id add_tetra(fathom_scene *scene, fathom_id group, int kind, const
 static fathom_id add_color(fathom_scene *scene, const char *name, float r, float g, float b) {
     fathom_material material = default_material();
     material.k_d[0] = r, material.k_d[1] = g, material.k_d[2] = b;
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_material(scene, name, &material, &id));
-    return id;
+    return new_material(scene, name, &material);
 }
 
 static void add_placed(fathom_scene *scene, fathom_id group, fathom_id parent, const double rows[12],
@@ -274,8 +272,7 @@ UNIT_TEST(stretched_smooth_meshes_are_told) {
     for (int k = 0; k < 4; ++k) {
         const bool stretched = k % 2, smooth = k / 2;
         fathom_scene *scene = new_scene(context);
-        fathom_id group;
-        assert_ok(context, fathom_scene_add_group(scene, NULL, &group));
+        const fathom_id group = new_group(scene, NULL);
         add_tetra(scene, group, smooth ? SPLIT_NORMALS : PLAIN, (const double[3]){0, 0, 0});
         add_placed(scene, group, FATHOM_ROOT, rows[stretched], FATHOM_NONE);
         forget_warnings();
@@ -341,8 +338,7 @@ static const fathom_material *read_back(fathom_scene *scene, const char *name, c
 
 static fathom_scene *scene_with(const char *name, const fathom_material *material) {
     fathom_scene *scene = new_scene(context);
-    fathom_id id;
-    assert_ok(context, fathom_scene_add_material(scene, name, material, &id));
+    const fathom_id id = new_material(scene, name, material);
     fathom_id mesh = add_tetra(scene, FATHOM_ROOT, PLAIN, (const double[3]){0, 0, 0});
     scene->meshes.items[scene->objects.items[mesh].index].material = id;
     return scene;

@@ -188,10 +188,9 @@ UNIT_TEST(facets_keep_texture_coordinates) {
 /* The warnings are the writer's. */
 static scene_named_material through(const char *name, const fathom_material *material) {
     fathom_scene *scene, *back;
-    fathom_id id;
     forget_warnings();
     scene = new_scene(context);
-    assert_ok(context, fathom_scene_add_material(scene, "m", material, &id));
+    fathom_id id = new_material(scene, "m", material);
     fathom_mesh mesh = two_triangles();
     mesh.material = id;
     assert_ok(context, fathom_scene_add_mesh(scene, FATHOM_ROOT, &mesh, NULL));

@@ -140,9 +140,8 @@ UNIT_TEST(quads_become_two_triangles) {
 UNIT_TEST(shapes_are_read_back) {
     static const char *const names[] = {"a.glb", "a.ply", "a.obj"};
     fathom_scene *scene = scene_with(false);
-    fathom_id group;
     fathom_instance instance = default_instance();
-    assert_ok(context, fathom_scene_add_group(scene, "both", &group));
+    const fathom_id group = new_group(scene, "both");
     add_sphere(scene, group, 1001, 1), add_quad(scene, group);
     instance.group = group;
     assert_ok(context, fathom_scene_add_instance(scene, &instance, NULL));
