@@ -63,10 +63,7 @@ said out.txt '"renderable": true'
 said out.txt '"nested groups"'
 said out.txt 'degenerate'
 said out.txt 'every surface is black'
-cp out.txt info.json
-if python3 -c 'import json' 2>/dev/null; then
-    python3 -c 'import json; json.load(open("info.json"))' || die 'not JSON'
-fi
+python3 -m json.tool out.txt >/dev/null || die 'not JSON'
 
 # Lights without strength are none.
 for light in '"type": "point", "position": [0, 3, 0], "intensity": 0' \

@@ -7,9 +7,7 @@ write_scene
 lines_are_objects() {
     [ -s err.txt ] || die 'nothing on stderr'
     grep -vE '^\{"time": [0-9]+\.[0-9]{3}, "level": "(info|warning|error)", "message": ".*\}$' err.txt && die 'no object'
-    if python3 -c 'import json' 2>/dev/null; then
-        python3 -c 'import json; [json.loads(line) for line in open("err.txt", encoding="utf-8")]' || die 'not JSON'
-    fi
+    python3 -m json.tool --json-lines err.txt >/dev/null || die 'not JSON'
 }
 fails() { # code, text, arguments
     wanted=$1

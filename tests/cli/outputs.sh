@@ -155,13 +155,11 @@ said err.txt 'c.png: 96x64'
 [ -n "$(number b.json peakMemoryBytes)" ] || die 'statistics to standard output'
 "$FATHOM" bench trace scene.json --rays 64 --repeats 1 --csv - >b.csv 2>err.txt || die 'CSV to standard output'
 head -n 1 b.csv | grep -q '^# fathom bench trace' || die 'CSV to standard output'
-if python3 -c 'import json' 2>/dev/null; then
-    for arguments in 'render scene.json -o c.png --stats -' 'bench trace scene.json --rays 64 --repeats 1 --json -' \
-        'validate scene.json --rays 10 --json -'; do
-        # shellcheck disable=SC2086
-        "$FATHOM" $arguments 2>err.txt | python3 -c 'import json, sys; json.load(sys.stdin)' || die "$arguments: not JSON"
-    done
-fi
+for arguments in 'render scene.json -o c.png --stats -' 'bench trace scene.json --rays 64 --repeats 1 --json -' \
+    'validate scene.json --rays 10 --json -'; do
+    # shellcheck disable=SC2086
+    "$FATHOM" $arguments 2>err.txt | python3 -m json.tool >/dev/null || die "$arguments: not JSON"
+done
 rm b.* c.* s.json
 refused 2 'standard output is named twice' render scene.json -o - -o exr:-
 refused 2 'standard output is named twice' render scene.json -o - --stats -

@@ -84,29 +84,18 @@ refused 2 'SCENE is missing; see fathom help render' render
 refused 2 '-o IMAGE is missing; see fathom help render' render scene.json
 refused 2 'unexpected argument "b.json"; the file to write follows -o; see' render a.json b.json -o a.png
 refused 2 'unknown option --szie; did you mean --size?; see fathom help render' render a.json -o a.png --szie 3x3
-refused 2 'unknown option --zebra; see fathom help render' render a.json -o a.png --zebra
-refused 2 'unknown option -z' render a.json -o a.png -z
-refused 2 '--spp: expected a value, N' render a.json -o a.png --spp
-refused 2 '--quiet takes no value' render a.json -o a.png --quiet=yes
 refused 2 '--quiet and --verbose exclude each other' render a.json -o a.png -q -v
 
-# option, wrong value, what is said
+# option, wrong value, what is said; unit/args.c has more forms
 while IFS='|' read -r option value text; do
     refused 2 "$option: $text" render a.json -o a.png "$option=$value"
     said err.txt "found \"$value\""
     said err.txt '; see fathom help render'
 done <<'TABLE'
 --size|1280|expected WIDTHxHEIGHT, each from 1 to 65536
---size|0x10|expected WIDTHxHEIGHT
---size|10x0|expected WIDTHxHEIGHT
---size|1000000000x1|expected WIDTHxHEIGHT
 --size|10x70000|expected WIDTHxHEIGHT
---size|10x10x10|expected WIDTHxHEIGHT
---size|-5x5|expected WIDTHxHEIGHT
---size|5,5|expected WIDTHxHEIGHT
 --spp|0|expected a whole number from 1 to 65536
 --spp|65537|expected a whole number from 1 to 65536
---spp|4.0|expected a whole number from 1 to 65536
 --crop|1,2,3|expected X0,Y0,X1,Y1
 --crop|1,2,3,4,5|expected X0,Y0,X1,Y1
 --crop|5,0,5,9|expected X0 < X1 and Y0 < Y1
@@ -114,12 +103,8 @@ done <<'TABLE'
 --crop|0,0,65537,9|expected X0,Y0,X1,Y1
 --crop|-1,0,5,9|expected X0,Y0,X1,Y1
 --threads|0|expected a whole number from 1 to 1024
---threads|all|expected a whole number from 1 to 1024
---seed|-1|expected a whole number from 0 to 2^64 - 1
 --max-depth|1025|expected a whole number from 0 to 1024
 --epsilon|0|expected auto or a number above 0
---epsilon|-1e-5|expected auto or a number above 0
---epsilon|nan|expected auto or a number above 0
 --block-width|2|expected 1|4|8|16
 --tile-size|48|expected a whole number from 32 to 65536, a multiple of 32
 --tile-size|0|expected a whole number from 32 to 65536
@@ -127,11 +112,9 @@ done <<'TABLE'
 --tracer|bvh:f16|tracers of this kind have no option "f16"; expected f32, f64, f128
 --tracer|embree:compact:robust|options "compact" and "robust" exclude each other
 --exposure|1e3|expected a number from -64 to 64
---exposure|bright|expected a number from -64 to 64
 --background|1,2|expected R,G,B
 --background|1,2,1e300|expected R,G,B
 --max-time|0|expected off or a number above 0
---max-time|1e400|expected off or a number above 0
 --min-weight|1|expected a number from 0 to less than 1
 --memory-limit|9|expected auto or a whole number from 1000000 to
 --seed|18446744073709551616|expected a whole number from 0 to 2^64 - 1
