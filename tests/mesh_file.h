@@ -5,7 +5,7 @@
 #include "read/read.h"
 #include "unit_folder.h"
 
-static const char *mesh_write(const char *name, const void *bytes, size_t size) {
+static inline const char *mesh_write(const char *name, const void *bytes, size_t size) {
     const char *path = in_folder(name);
     unit_write_file(path, bytes, size);
     return path;

@@ -32,6 +32,12 @@ static inline const char *in_folder(const char *name) {
     return path;
 }
 
+static inline const char *put_text(const char *name, const char *text) {
+    const char *path = in_folder(name);
+    unit_write_file(path, text, strlen(text));
+    return path;
+}
+
 static char warned[4096]; /* the warnings since forget_warnings(), a line each */
 static unsigned warning_count;
 

@@ -263,11 +263,18 @@ useless() {
 "objects": [ { "type": "mesh", "material": "m", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "indices": [[0, 1, 2]],
 "uvs": [[0, 0], [1, 0], [0, 1]]%s } ] }' "$1" "$2"
 }
-problems() { sed '1,/^problems/d' out.txt | sort -t : -k 2n; }
+# problems FILE: info lists exactly those on standard input.
+problems() {
+    cat >expected.txt
+    run 0 info "$1"
+    sed '1,/^problems/d' out.txt | sort -t : -k 2n | diff expected.txt - || die "the problems of $1"
+}
+no_problems() {
+    run 0 info "$1"
+    said out.txt 'problems  none'
+}
 useless '' '' >useless.json
-run 0 info useless.json
-problems >found.txt
-cat >expected.txt <<'TXT'
+problems useless.json <<'TXT'
   useless.json:3: materials.m.baseColorTexture.channel: it has no effect on this image
   useless.json:4: materials.m.baseColorTexture.uvSet: a mesh with this material has no "uvs1", so each of its triangles shows half the image
   useless.json:6: materials.m.normalTexture.inverted: it has no effect on this image
@@ -284,7 +291,6 @@ cat >expected.txt <<'TXT'
   useless.json:15: materials.m.bumpScale: it has no effect without "bumpTexture"
   useless.json:16: materials.m.opacityCutoff: it has no effect without one of "opacity", "opacityTexture", "opacities"
 TXT
-diff expected.txt found.txt || die 'keys without effect'
 run 0 convert useless.json useless.glb
 run 0 info useless.glb
 not_said out.txt 'no effect'
@@ -295,8 +301,7 @@ useless '"sheenColor": [1, 1, 1], "emissive": [1, 1, 1], "clearcoat": 1, "irides
 "transmission": 1, "bumpTexture": { "file": "image.png" },' \
     ', "uvs1": [[0, 0], [1, 0], [0, 1]], "colors": [[1, 1, 1], [1, 1, 1], [1, 1, 1]], "opacities": [[1], [1], [0]]' |
     grep -v '"channel"\|"inverted"\|"colorSpace"' | sed 's/"file": "image.png",/"file": "image.png"/; s/^"uvSet"/, &/; s/^"normalTexture.*/& },/' >useful.json
-run 0 info useful.json
-said out.txt 'problems  none'
+no_problems useful.json
 sed 's/"uvs": \[\[0, 0\], \[1, 0\], \[0, 1\]\], //' useful.json >bare.json
 run 0 info bare.json
 said out.txt 'Texture: a mesh with this material has no "uvs", so each of its triangles shows half the image'
@@ -311,12 +316,10 @@ run 0 info lens.json
 said out.txt 'lens.json:2: camera.focusDistance: it has no effect without one of "lensRadius", "fStop"'
 said out.txt 'lens.json:3: camera.blades: it has no effect without one of "lensRadius", "fStop"'
 run 0 convert lens.json again.json
-run 0 info again.json
-said out.txt 'problems  none'
+no_problems again.json
 # Light that is scattered into a volume is absorbed there, too.
 sed 's/"transmission": 1/"diffuseTransmission": 1/' useful.json >milk.json
-run 0 info milk.json
-said out.txt 'problems  none'
+no_problems milk.json
 run 0 convert milk.json again.json
 said again.json '"attenuationColor"'
 said again.json '"attenuationDistance":1'
@@ -330,21 +333,17 @@ cat >units.json <<'JSON'
 "focalLength": 50 },
   "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m" } ] }
 JSON
-run 0 info units.json
-problems >found.txt
-cat >expected.txt <<'TXT'
+problems units.json <<'TXT'
   units.json:2: materials.m.anisotropyRotation: expected radians; 45 seems to be in another unit
   units.json:3: materials.m.iridescenceThicknessMax: expected nanometres; 0.4 seems to be in another unit
   units.json:4: materials.m.dispersion: expected 20 divided by the Abbe number; 55 seems to be in another unit
   units.json:6: camera.focalLength: expected units of the scene; 50 seems to be in another unit, because no lens of this focal length focuses as near as 5
 TXT
-diff expected.txt found.txt || die 'units'
 sed 's/"fStop": 4,/"lensRadius": 25 },/; /focalLength/d' units.json >wide.json
 run 0 info wide.json
 said out.txt 'wide.json:5: camera.lensRadius: expected units of the scene; 25 seems to be in another unit, because the focus is only 5 away'
 sed 's/45/-0.79/; s/0.4/400/; s/55/0.36/; s/50/0.05/' units.json >usual.json
-run 0 info usual.json
-said out.txt 'problems  none'
+no_problems usual.json
 # Radians, and colours as bytes. The views of lenses and telescopes, cones of lamps and search lights, small turns and
 # probes are in degrees.
 cat >radians.json <<'JSON'
@@ -362,9 +361,7 @@ cat >radians.json <<'JSON'
 "colors": [[255, 0, 0], [0, 9, 0], [0, 0, 1]] } ] }
 JSON
 printf 'PF\n1 1\n-1.0\n\0\0\200\77\0\0\200\77\0\0\200\77' >sky.pfm
-run 0 info radians.json
-problems >found.txt
-cat >expected.txt <<'TXT'
+problems radians.json <<'TXT'
   radians.json:2: camera.fovy: expected degrees; 0.6981 seems to be in radians, which are 40 degrees
   radians.json:3: camera.bladeRotation: expected degrees; 0.5236 seems to be in radians, which are 30 degrees
   radians.json:5: materials.m.kdTexture.rotation: expected degrees; 1.5708 seems to be in radians, which are 90 degrees
@@ -373,11 +370,9 @@ cat >expected.txt <<'TXT'
   radians.json:10: objects[0].rotate.angle: expected degrees; -1.57 seems to be in radians, which are -89.95 degrees
   radians.json:12: objects[1].colors: expected factors, such as 0.5; the numbers seem to be bytes up to 255
 TXT
-diff expected.txt found.txt || die 'radians'
 for view in 0.05 0.5 0.8 1 2 45; do
     sed "s/0\.6981,/$view,/; s/0\.5236/15/; s/1\.5708/2/; s/0\.785/1/; s/3\.14/3/; s/-1\.57/5.5/; s/255, 0/2.5, 0/" radians.json >usual.json
-    run 0 info usual.json
-    said out.txt 'problems  none'
+    no_problems usual.json
 done
 # Images of parameters that are 0, images whose inversion has no effect, and keys that need another value. A file has
 # 20 warnings at most.
@@ -408,9 +403,7 @@ cat >zero.json <<JSON
 "objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m" },
   { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "c" } ] }
 JSON
-run 0 info zero.json
-problems >found.txt
-cat >expected.txt <<'TXT'
+problems zero.json <<'TXT'
   zero.json: further warnings are left out
   zero.json:2: materials.m.emissiveTexture: it has no effect without "emissive"
   zero.json:3: materials.m.metallicRoughnessTexture: its blue has no effect without "metallic"
@@ -433,7 +426,6 @@ cat >expected.txt <<'TXT'
   zero.json:20: materials.c.keTexture: it has no effect without "ke"
   zero.json:21: materials.c.fresnel: it has no effect without one of "kr", "kt"
 TXT
-diff expected.txt found.txt || die 'images of parameters that are 0'
 run 0 convert zero.json again.json
 for key in metallicTexture emissive transmission clearcoat sheen anisotropy iridescence diffuse shininess keTexture; do not_said again.json $key; done
 cat >one.json <<JSON
@@ -445,19 +437,15 @@ cat >one.json <<JSON
 "groups": { "g": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1 } ] },
 "objects": [ { "type": "instance", "of": "g", "material": "m" } ] }
 JSON
-run 0 info one.json
-problems >found.txt
-cat >expected.txt <<'TXT'
+problems one.json <<'TXT'
   one.json:2: materials.m.transmission: it has no effect where "metallic" is 1
   one.json:4: materials.m.baseColorTexture.inverted: it has no effect where "baseColor" is 1; with 0 the surface has 1 - image
   one.json:5: materials.d: no object has this material, the first of 2 such
 TXT
-diff expected.txt found.txt || die 'keys that need another value'
 # Vertices have opacities, so the cutoff stays.
 run 0 convert useful.json again.json
 said again.json '"opacityCutoff":0.5'
-run 0 info again.json
-said out.txt 'problems  none'
+no_problems again.json
 
 # What is there is told as it is: an environment, the layers of a material, motion, a lens, and instances whose shapes are moved.
 printf 'PF\n1 1\n-1.0\n\0\0\200\77\0\0\200\77\0\0\200\77' >sky.pfm

@@ -481,8 +481,7 @@ UNIT_TEST(mesh_files_keep_vertex_colours) {
 UNIT_TEST(v_grows_as_it_does_in_the_format) {
     static const char *const names[] = {"a.obj", "b.json", "c.ply",  "d.glb",
                                         "e.obj", "f.glb",  "g.json", "h.ply"};
-    static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nf 1/1 2/1 3/1\n";
-    unit_write_file(in_folder(names[0]), text, strlen(text));
+    put_text(names[0], "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0.25\nf 1/1 2/1 3/1\n");
     for (int i = 0; i < 8; ++i) {
         fathom_scene *scene = scene_of_file(context, in_folder(names[i]));
         const bool upwards = strstr(names[i], ".obj") || strstr(names[i], ".ply");

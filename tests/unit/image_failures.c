@@ -27,13 +27,6 @@ static image noisy(void) {
     return (image){SIDE, SIDE, 0, 0, SIDE, SIDE, channels, 3, NULL, 0, 0};
 }
 
-static void write_text(const char *path, const char *text) {
-    FILE *f = fopen(path, "w");
-    assert_non_null(f);
-    assert_true(fputs(text, f) >= 0);
-    assert_int_equal(fclose(f), 0);
-}
-
 static size_t files_in_folder(void) {
     DIR *directory = opendir(folder);
     assert_non_null(directory);
@@ -99,13 +92,13 @@ static bool with_failing_module(void *user) {
 }
 
 UNIT_TEST(module_failures_are_reported) {
-    write_text(in_folder("a.txt"), "not an image\n");
+    put_text("a.txt", "not an image\n");
     in_child(with_failing_module, NULL);
     assert_int_equal(unlink(in_folder("a.txt")), 0);
 }
 
 UNIT_TEST(a_missing_helper_is_reported) {
-    write_text(in_folder("a.txt"), "not a library\n");
+    put_text("a.txt", "not a library\n");
     in_child(without_module, NULL);
     assert_int_equal(unlink(in_folder("a.tif")), 0);
     assert_int_equal(unlink(in_folder("a.txt")), 0);
@@ -164,7 +157,7 @@ static bool texture_survives(void *user) {
     setenv("FAULT_LOST", user, 1);
     setenv("FATHOM_IMAGE_MODULE", LOST_MODULE, 1);
     setenv("FATHOM_IMAGE_SECONDS", "0.5", 1);
-    write_text(in_folder("a.png"), "a");
+    put_text("a.png", "a");
     t.file = in_folder("a.png");
     bool ok = fathom_scene_create(context, &scene) == FATHOM_OK &&
               fathom_scene_add_texture(scene, &t, NULL) == FATHOM_OK &&
@@ -287,7 +280,7 @@ static bool with_small_disk(void *user) {
 UNIT_TEST(a_full_disk_is_reported) {
     for (size_t i = 0; i < 4; ++i) {
         const char *path = in_folder(files[i]);
-        write_text(path, "precious");
+        unit_write_file(path, "precious", 8);
         in_child(with_small_disk, (void *)(uintptr_t)path);
         char kept[16] = "";
         FILE *f = fopen(path, "r");
@@ -319,7 +312,7 @@ UNIT_TEST(broken_images_are_refused) {
     const image *img;
     assert_fails(context, image_read(context, in_folder("none.png"), &img), FATHOM_BAD_INPUT, "none.png");
     assert_null(img);
-    write_text(in_folder("a.png"), "no image");
+    put_text("a.png", "no image");
     assert_fails(context, image_read(context, in_folder("a.png"), &img), FATHOM_BAD_INPUT, "a.png");
     assert_null(img);
     /* Every way to cut a file short. */

@@ -98,10 +98,6 @@ static fathom_status read_both(pair *p, const char *scene, char **copies, fathom
     return status;
 }
 
-static void put_text(const char *name, const char *text) {
-    unit_write_file(in_folder(name), text, strlen(text));
-}
-
 static void assert_gone(const char *path) { assert_int_not_equal(access(path, F_OK), 0); }
 
 static void remove_got(char *copies) {

@@ -8,7 +8,7 @@ static fathom_material material_of(const char *body) {
     mtl_library library = {0};
     forget_warnings();
     const char *text = unit_text("newmtl m\n%s", body);
-    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_ok(context, mtl_read(context, put_text("m.mtl", text), &library));
     assert_int_equal(library.materials.count, 1);
     fathom_material material = library.materials.items[0].value;
     mtl_free(&library);
@@ -243,7 +243,7 @@ static void expect_map(const char *body, fathom_map_kind kind, const char *file,
                        const float transform[6]) {
     mtl_library library = {0};
     const char *text = unit_text("newmtl m\n%s", body);
-    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_ok(context, mtl_read(context, put_text("m.mtl", text), &library));
     const mtl_image *image = &library.materials.items[0].images[kind];
     assert_non_null(image->file);
     assert_string_equal(image->file, file);
@@ -277,7 +277,7 @@ UNIT_TEST(images_become_maps) {
 static mtl_material first_of(const char *head, const char *body, mtl_library *library) {
     forget_warnings();
     const char *text = unit_text("%s\nnewmtl m\n%s", head, body);
-    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), library));
+    assert_ok(context, mtl_read(context, put_text("m.mtl", text), library));
     return library->materials.items[0];
 }
 
@@ -457,10 +457,11 @@ UNIT_TEST(numbers_out_of_range_become_the_nearest) {
 }
 
 UNIT_TEST(materials_without_a_name_have_the_empty_one) {
-    const char *text = "Kd 0 0 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
     mtl_library library = {0};
     forget_warnings();
-    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_ok(
+        context,
+        mtl_read(context, put_text("m.mtl", "Kd 0 0 0\nnewmtl\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n"), &library));
     assert_int_equal(library.materials.count, 2);
     assert_string_equal(library.materials.items[0].name, "");
     assert_true(library.materials.items[0].value.k_d[0] == 1);
@@ -471,10 +472,15 @@ UNIT_TEST(materials_without_a_name_have_the_empty_one) {
 
 /* Names are whole lines; a later material of a name takes the place of the earlier. */
 UNIT_TEST(names_may_hold_blanks) {
-    const char *text =
-        "newmtl Material #25 \r\nKd 1 0 0\r\nnewmtl b\nKd 0 1 0\nnewmtl Material #25\nKd 0 0 1\n";
     mtl_library library = {0};
-    assert_ok(context, mtl_read(context, mesh_write("m.mtl", text, strlen(text)), &library));
+    assert_ok(
+        context,
+        mtl_read(
+            context,
+            put_text(
+                "m.mtl",
+                "newmtl Material #25 \r\nKd 1 0 0\r\nnewmtl b\nKd 0 1 0\nnewmtl Material #25\nKd 0 0 1\n"),
+            &library));
     assert_int_equal(library.materials.count, 2);
     assert_string_equal(library.materials.items[0].name, "Material #25");
     assert_true(library.materials.items[0].value.k_d[2] == 1);

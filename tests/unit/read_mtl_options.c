@@ -5,11 +5,13 @@
 
 /* An OBJ file with this library. */
 static fathom_scene *scene_of(const char *body) {
-    static const char faces[] = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
     const char *text = unit_text("newmtl m\n%s", body);
-    mesh_write("m.mtl", text, strlen(text));
+    put_text("m.mtl", text);
     const read_mesh_options options = {.material = FATHOM_NONE};
-    return mesh_read(read_obj, mesh_write("m.obj", faces, strlen(faces)), options);
+    return mesh_read(
+        read_obj,
+        put_text("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"),
+        options);
 }
 
 static fathom_material material_of(const char *body) {

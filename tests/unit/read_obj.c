@@ -8,7 +8,7 @@
 static const read_mesh_options plain = {.material = FATHOM_NONE};
 
 static fathom_scene *read_with(const char *text, read_mesh_options options) {
-    return mesh_read(read_obj, mesh_write("a.obj", text, strlen(text)), options);
+    return mesh_read(read_obj, put_text("a.obj", text), options);
 }
 
 static fathom_scene *read_text(const char *text) { return read_with(text, plain); }
@@ -51,7 +51,7 @@ UNIT_TEST(fully_dissolved_materials_are_absent) {
     for (int i = 0; i < 2; ++i) {
         const char *library =
             i ? "newmtl m\nKd 1 1 1\nKs 1 1 1\nillum 2\nd 0\n" : "newmtl m\nKd 1 1 1\nd 0.25\n";
-        mesh_write("m.mtl", library, strlen(library));
+        put_text("m.mtl", library);
         fathom_scene *scene = read_text("mtllib m.mtl\nusemtl m\n" SQUARE "f 1 2 3 4\n");
         assert_int_equal(absent_object(scene, 0), i);
     }
@@ -191,8 +191,7 @@ UNIT_TEST(equal_indices_are_not_stored) {
 
 /* One mesh a material and kind of data, over the same vertices, each face in one of them. */
 UNIT_TEST(each_material_is_one_mesh) {
-    const char *mtl = "newmtl red # skin\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n";
-    mesh_write("m.mtl", mtl, strlen(mtl));
+    put_text("m.mtl", "newmtl red # skin\nKd 1 0 0\nnewmtl a b\nKd 0 1 0\n");
     fathom_scene *scene = read_text("mtllib m.mtl # colours\n" SQUARE
                                     "vn 0 0 1\nf 1 2 3\nusemtl red\nf 1 2 4\nusemtl a b # cloth\nf 2 3 4\n"
                                     "usemtl red\nf 1 3 4\nf 1//1 2//1 3//1\n");
@@ -242,8 +241,7 @@ UNIT_TEST(each_object_is_a_mesh_of_its_name) {
 }
 
 UNIT_TEST(unused_vertices_are_left_out) {
-    const char *mtl = "newmtl rest\nKd 1 0 0\n";
-    mesh_write("m.mtl", mtl, strlen(mtl));
+    put_text("m.mtl", "newmtl rest\nKd 1 0 0\n");
     fathom_scene *scene =
         read_text("mtllib m.mtl\nv 0 0 0\nv 1 0 0 \nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n"
                   "vt 0 0\nvt 1 0\nvt 2 0\nvt 3 0\nvt 4 0\nvt 5 0\nvn 0 0 1\nvn 0 0 2\nvn 0 0 3\nvn 0 0 4\n"
@@ -289,8 +287,7 @@ UNIT_TEST(stray_vertices_are_left_out) {
 
 /* One texel, and one warning for all such meshes; a mesh with uvs keeps them. */
 UNIT_TEST(images_without_uvs_are_one_texel) {
-    const char *mtl = "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd t.ppm\n";
-    mesh_write("m.mtl", mtl, strlen(mtl));
+    put_text("m.mtl", "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd t.ppm\n");
     mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
     fathom_scene *scene =
         read_text("mtllib m.mtl\n" SQUARE "vt 1 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nf 1/1 2/1 3/1\n");
@@ -308,8 +305,7 @@ UNIT_TEST(images_without_uvs_are_one_texel) {
 /* Scanning programs write them twice. Fathom's own files mean their product, and other materials have no
  * other colours. */
 UNIT_TEST(colours_of_vertices_give_way_to_an_image) {
-    const char *mtl = "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 1 1 1\n";
-    mesh_write("m.mtl", mtl, strlen(mtl));
+    put_text("m.mtl", "newmtl a\nmap_Kd t.ppm\nnewmtl b\nKd 1 1 1\n");
     mesh_write("t.ppm", "P6 1 1 255\nabc", 14);
     for (int i = 0; i < 2; ++i) {
         fathom_scene *scene = read_text(
@@ -337,7 +333,7 @@ UNIT_TEST(colours_of_vertices_replace_the_grey_of_blender) {
         char text[256];
         snprintf(text, sizeof text, "%s\nnewmtl a\nKd %s %s %s\nKs 0.5 0.5 0.5\nPr 0.5\nillum 2\n",
                  cases[i].head, kd, kd, kd);
-        mesh_write("m.mtl", text, strlen(text));
+        put_text("m.mtl", text);
         snprintf(text, sizeof text,
                  "mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0%s\nusemtl a\nf 1 2 3\n",
                  cases[i].color);
@@ -543,8 +539,7 @@ UNIT_TEST(vertices_alone_are_a_cloud_of_points) {
 
 /* Points of one material are one mesh, in the file's order, whatever the pieces that it is read in. */
 UNIT_TEST(points_keep_their_materials) {
-    static const char library[] = "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n";
-    mesh_write("a.mtl", library, strlen(library));
+    put_text("a.mtl", "newmtl a\nKd 1 0 0\nnewmtl b\nKd 0 1 0\n");
     fathom_scene *scene =
         read_text("mtllib a.mtl\n" SQUARE "usemtl b\np 1\nusemtl a\np 2 3\nusemtl b\np 4\nl 1 2\n");
     static const char *const names[] = {"b", "a", "b"};
@@ -595,9 +590,8 @@ UNIT_TEST(very_many_missing_files_take_little_time) {
 UNIT_TEST(libraries_elsewhere_are_found) {
     static const char *const named[] = {"mtllib C:\\far\\m n.mtl\n", "mtllib far/m n.mtl\n",
                                         "mtllib \"m n.mtl\"\n", "", "mtllib none.mtl\n"};
-    const char *mtl = "newmtl red\nKd 1 0 0\n";
     for (size_t i = 0; i < sizeof named / sizeof *named; ++i) {
-        const char *path = mesh_write(i < 3 ? "m n.mtl" : "a.mtl", mtl, strlen(mtl));
+        const char *path = put_text(i < 3 ? "m n.mtl" : "a.mtl", "newmtl red\nKd 1 0 0\n");
         fathom_scene *scene = read_text(unit_text("%s" SQUARE "usemtl red\nf 1 2 3\n", named[i]));
         assert_true(scene->materials.items[mesh_at(scene, 0)->material].value.k_d[1] == 0);
         if (i < 3)
@@ -612,8 +606,8 @@ UNIT_TEST(libraries_elsewhere_are_found) {
 /* The search for the last parts of a path does not take several names for one. */
 UNIT_TEST(each_of_several_libraries_is_found) {
     const char *red = "newmtl red\nKd 1 0 0\n", *blue = "newmtl blue\nKd 0 0 1\n";
-    mesh_write("r.mtl", red, strlen(red));
-    mesh_write("b.mtl", blue, strlen(blue));
+    put_text("r.mtl", red);
+    put_text("b.mtl", blue);
     fathom_scene *scene =
         read_text("mtllib far/r.mtl far/b.mtl\n" SQUARE "usemtl red\nf 1 2 3\nusemtl blue\nf 1 3 4\n");
     assert_string_equal(warned, "");

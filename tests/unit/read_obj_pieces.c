@@ -72,8 +72,7 @@ UNIT_TEST(pieces_count_on_from_those_before) {
     used += (size_t)sprintf(text, "mtllib a.mtl\n");
     for (int quad = 0; quad < QUADS; ++quad) used += write_quad(text + used, room - used, quad);
     assert_true(used > 3 * ((size_t)1 << 18)); /* pieces have 2^18 bytes */
-    static const char library[] = "newmtl m0\nnewmtl m1\nKd 0 0 0\nnewmtl m2\nKd 0.5 0 0\n";
-    mesh_write("a.mtl", library, strlen(library));
+    put_text("a.mtl", "newmtl m0\nnewmtl m1\nKd 0 0 0\nnewmtl m2\nKd 0.5 0 0\n");
     const read_mesh_options options = {.material = FATHOM_NONE};
     fathom_scene *scene = mesh_read(read_obj, mesh_write("a.obj", text, used), options);
     for (size_t i = 0; i < scene->meshes.count; ++i) {

@@ -8,7 +8,7 @@
 
 static void expect_error(const char *name, const char *text, const char *message) {
     fathom_scene *scene = (fathom_scene *)(void *)folder;
-    const char *path = text ? mesh_write(name, text, strlen(text)) : in_folder(name);
+    const char *path = text ? put_text(name, text) : in_folder(name);
     assert_fails(context, fathom_scene_read(context, path, &scene), FATHOM_BAD_INPUT, message);
     assert_null(scene);
 }
@@ -27,7 +27,7 @@ UNIT_TEST(by_extension) {
 /* A bare model becomes a scene that can be rendered: with a name, a camera that has all of it in view,
  * lights. */
 UNIT_TEST(bare_model) {
-    const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
+    const char *path = put_text("thing.v2.obj", PYRAMID);
     fathom_scene *scene = scene_of_file(context, path);
     assert_string_equal(scene->name, "thing.v2");
     assert_true(scene->lights.count > 0);
@@ -70,11 +70,11 @@ UNIT_TEST(images_of_another_computer_are_found) {
 
 /* What is asked of a file that cannot give it is said. */
 UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
-    static const char json[] = "{\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0]},\"objects\":[{\"type\":"
-                               "\"sphere\",\"center\":[0,0,0],\"radius\":1}]}";
     fathom_scene *scene;
-    const char *model = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
-    const char *file = mesh_write("a.json", json, strlen(json));
+    const char *model = put_text("thing.v2.obj", PYRAMID);
+    const char *file =
+        put_text("a.json", "{\"camera\":{\"eye\":[0,0,5],\"target\":[0,0,0]},\"objects\":[{\"type\":"
+                           "\"sphere\",\"center\":[0,0,0],\"radius\":1}]}");
     fathom_read_options options = default_read_options();
     options.camera = "front";
     const char *const both[] = {model, file};
@@ -102,7 +102,7 @@ UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
 
 /* A size that is asked for shapes the automatic camera's view, not the settings. */
 UNIT_TEST(the_camera_fits_the_size_asked_for) {
-    const char *path = mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID));
+    const char *path = put_text("thing.v2.obj", PYRAMID);
     double away[2];
     for (int i = 0; i < 2; ++i) {
         const fathom_read_options options = {
@@ -127,9 +127,9 @@ UNIT_TEST(scene_files_may_say_how_many_samples) {
     static const char
         bare[] = "{\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}",
         four[] = "{\"image\":{\"spp\":4},\"objects\":[{\"type\":\"mesh\",\"file\":\"thing.v2.obj\"}]}";
-    assert_int_equal(spp_of(mesh_write("thing.v2.obj", PYRAMID, strlen(PYRAMID))), 1024);
-    assert_int_equal(spp_of(mesh_write("a.json", bare, strlen(bare))), 1024);
-    assert_int_equal(spp_of(mesh_write("a.json", four, strlen(four))), 4);
+    assert_int_equal(spp_of(put_text("thing.v2.obj", PYRAMID)), 1024);
+    assert_int_equal(spp_of(put_text("a.json", bare)), 1024);
+    assert_int_equal(spp_of(put_text("a.json", four)), 4);
 }
 
 /* The image follows w over h of a scene file's camera where the file does not say its size; where it does and
@@ -149,7 +149,7 @@ UNIT_TEST(scene_files_shape_their_image) {
             "\"objects\":[{\"type\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]}",
             cases[i].image);
         forget_warnings();
-        fathom_scene *scene = scene_of_file(context, mesh_write("a.json", json, strlen(json)));
+        fathom_scene *scene = scene_of_file(context, put_text("a.json", json));
         assert_int_equal(scene->settings.width, cases[i].width);
         assert_int_equal(scene->settings.height, cases[i].height);
         assert_near(scene->camera.w, 2, 0);
@@ -162,7 +162,7 @@ UNIT_TEST(scene_files_shape_their_image) {
 UNIT_TEST(meshes) {
     fathom_status status;
     const read_mesh_options options = {.material = FATHOM_NONE};
-    fathom_scene *scene = mesh_read(read_mesh, mesh_write("a.OBJ", PYRAMID, strlen(PYRAMID)), options);
+    fathom_scene *scene = mesh_read(read_mesh, put_text("a.OBJ", PYRAMID), options);
     assert_int_equal(mesh_at(scene, 0)->triangle_count, 4);
     assert_null(mesh_try(read_mesh, mesh_write("a.json", "{}", 2), options, &status));
     assert_fails(context, status, FATHOM_BAD_INPUT,
