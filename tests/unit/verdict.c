@@ -10,41 +10,40 @@
 
 static const verdict_tracer plain = {.unit = 0x1p-24}, embree = {.unit = 0x1p-24, .leaks = true};
 
+UNIT_OWNS(search, search, search_destroy)
+UNIT_OWNS(room, search_result, search_result_free)
+UNIT_OWNS(source, rays_source, rays_destroy)
+
 typedef struct court {
     stage stage;
     search *search;
-    search_result room;
+    search_result *room;
 } court;
 
-static void court_open(court *c) {
-    memset(c, 0, sizeof *c);
-    c->stage = stage_open();
-}
+static court court_open(void) { return (court){.stage = stage_open()}; }
 
 static void court_begin(court *c) {
     stage_world(&c->stage);
     assert_ok(c->stage.context, search_create(c->stage.context, c->stage.world, &c->search));
-}
-
-static void court_close(court *c) {
-    search_result_free(&c->room);
-    search_destroy(c->search);
+    own_search(c->search);
+    c->room = own_room(unit_memory(sizeof *c->room));
 }
 
 static verdict judged(court *c, const verdict_tracer *tracer, oracle_ray ray, verdict_answer answer) {
     verdict_report report;
-    assert_true(verdict_closest(c->search, c->stage.world, tracer, &ray, &answer, &c->room, &report));
+    assert_true(verdict_closest(c->search, c->stage.world, tracer, &ray, &answer, c->room, &report));
     return report.verdict;
 }
 
 static const verdict_answer miss = {FATHOM_NONE, 0, FATHOM_NONE, 0, 0};
 
 /* Two triangles that make the square [-1,1]² at z = 0 (grid of one cell), and another square at z = -1. */
-static void squares(court *c) {
-    court_open(c);
-    add_grid(&c->stage, 1, 0);
-    add_grid(&c->stage, 1, -1);
-    court_begin(c);
+static court squares(void) {
+    court c = court_open();
+    add_grid(&c.stage, 1, 0);
+    add_grid(&c.stage, 1, -1);
+    court_begin(&c);
+    return c;
 }
 
 static oracle_ray down(float x, float y) { return (oracle_ray){{x, y, 1}, {0, 0, -1}, 0, INFINITY}; }
@@ -54,30 +53,25 @@ static verdict_answer at(uint32_t geometry, uint32_t primitive, double t) {
 }
 
 UNIT_TEST(test_agree) {
-    court c;
-    squares(&c);
+    court c = squares();
     assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1)), VERDICT_AGREE);
     assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1 + 0x1p-23)), VERDICT_AGREE);
     assert_int_equal(judged(&c, &plain, down(3, 0), miss), VERDICT_AGREE);
-    court_close(&c);
 }
 
 /* On the diagonal both triangles are met at the same t. */
 UNIT_TEST(test_tie) {
-    court c;
-    squares(&c);
+    court c = squares();
     verdict a = judged(&c, &plain, down(0.25f, -0.25f), at(0, 0, 1));
     verdict b = judged(&c, &plain, down(0.25f, -0.25f), at(0, 1, 1));
     assert_int_equal(a, VERDICT_AGREE);
     assert_int_equal(b, VERDICT_TIE);
-    court_close(&c);
 }
 
 /* Beside an open edge by less than u times the numbers at hand, a hit is as good as a miss; inside the mesh a
  * miss at the diagonal is not. Further out nothing excuses either. */
 UNIT_TEST(test_edge_and_leak) {
-    court c;
-    squares(&c);
+    court c = squares();
     float in = nextafterf(1, 0), out = nextafterf(1, 2);
     assert_int_equal(judged(&c, &plain, down(in, 0.5f), miss), VERDICT_EDGE);
     assert_int_equal(judged(&c, &plain, down(out, 0.5f), at(0, 1, 1)), VERDICT_EDGE);
@@ -86,18 +80,15 @@ UNIT_TEST(test_edge_and_leak) {
     assert_int_equal(judged(&c, &embree, down(0.25f, -0.25f), miss), VERDICT_LEAK);
     assert_int_equal(judged(&c, &embree, down(0.25f, -0.25f), at(1, 0, 2)), VERDICT_LEAK);
     assert_int_equal(judged(&c, &plain, down(0.25f, -0.25f), miss), VERDICT_WRONG);
-    court_close(&c);
 }
 
 /* Next to a slit that is narrower than what the precision can tell, a ray may pass: on all sides at that
  * distance is surface. */
 UNIT_TEST(test_slit) {
     const float e = 2e-6f, x[4] = {-1, -e, e, 1};
-    float *positions = NULL;
+    float *positions = unit_memory(24 * sizeof *positions);
     static const uint32_t indices[12] = {0, 1, 4, 1, 5, 4, 2, 3, 6, 3, 7, 6};
-    court c;
-    court_open(&c);
-    positions = unit_memory(24 * sizeof *positions);
+    court c = court_open();
     for (int k = 0; k < 8; ++k) positions[3 * k] = x[k % 4], positions[3 * k + 1] = k < 4 ? -1 : 1;
     fathom_mesh mesh = default_mesh();
     mesh.positions = positions, mesh.vertex_count = 8, mesh.indices = indices, mesh.triangle_count = 4;
@@ -105,13 +96,11 @@ UNIT_TEST(test_slit) {
     court_begin(&c);
     assert_int_equal(judged(&c, &plain, down(-2.1e-6f, 0.1f), miss), VERDICT_EDGE);
     assert_int_equal(judged(&c, &plain, down(-1e-4f, 0.1f), miss), VERDICT_WRONG);
-    court_close(&c);
 }
 
 /* The surface behind is right only where the interval or an edge hides the one in front. */
 UNIT_TEST(test_range) {
-    court c;
-    squares(&c);
+    court c = squares();
     oracle_ray ray = down(-0.5f, -0.5f);
     ray.t_near = nextafterf(1, 0);
     assert_int_equal(judged(&c, &plain, ray, at(0, 0, 1)), VERDICT_AGREE);
@@ -125,13 +114,11 @@ UNIT_TEST(test_range) {
     assert_int_equal(judged(&c, &plain, ray, miss), VERDICT_RANGE);
     ray.t_far = 1.1f;
     assert_int_equal(judged(&c, &plain, ray, miss), VERDICT_WRONG);
-    court_close(&c);
 }
 
 /* Where a line leaves a sphere is no hit while the way in counts. */
 UNIT_TEST(test_far_root) {
-    court c;
-    court_open(&c);
+    court c = court_open();
     add_sphere(&c.stage, FATHOM_ROOT, 0, 0, -3, 1, 0);
     court_begin(&c);
     oracle_ray ray = down(0, 0);
@@ -139,15 +126,13 @@ UNIT_TEST(test_far_root) {
     assert_int_equal(judged(&c, &plain, ray, at(0, 0, 5)), VERDICT_WRONG);
     ray.t_near = 3.5f;
     assert_int_equal(judged(&c, &plain, ray, at(0, 0, 5)), VERDICT_AGREE);
-    court_close(&c);
 }
 
 /* Two roots with no float between them, 1 and 1 ± 2^-38: what was reported is held against the one it means.
  */
 UNIT_TEST(test_close_roots) {
     const verdict_tracer quadruple = {.unit = 0x1p-113};
-    court c;
-    court_open(&c);
+    court c = court_open();
     add_sphere(&c.stage, FATHOM_ROOT, 0, (double)0.001f, 0, (double)0.001f, 0);
     court_begin(&c);
     vec3_f32 d = {0x1.0343aep+24f, 0x1.a1d92ap+19f, 0x1.b246ecp+22f};
@@ -158,27 +143,23 @@ UNIT_TEST(test_close_roots) {
     oracle_ray out = {neg_f32(d), d, 0, 2};
     verdict_answer far = at(0, 0, 1);
     verdict_report report;
-    assert_true(verdict_closest(c.search, c.stage.world, &quadruple, &out, &far, &c.room, &report));
+    assert_true(verdict_closest(c.search, c.stage.world, &quadruple, &out, &far, c.room, &report));
     assert_int_equal(report.verdict, VERDICT_WRONG);
     assert_true(report.measured && report.exact_t == 1 && report.t_error == 0);
-    court_close(&c);
 }
 
 /* At 1e-4 radians off the surface an error of 1e-5 is what rounding does; head on it is a fault. */
 UNIT_TEST(test_conditioned) {
-    court c;
-    squares(&c);
+    court c = squares();
     const double tilt = 1e-4;
     oracle_ray ray = {{-1, -0.3f, (float)(0.4 * tilt)}, {1, 0, -(float)tilt}, 0, INFINITY};
     assert_int_equal(judged(&c, &plain, ray, at(0, 0, 0.4 + 1e-3)), VERDICT_CONDITIONED);
     assert_int_equal(judged(&c, &plain, ray, at(0, 0, 0.4 + 0.3)), VERDICT_WRONG);
     assert_int_equal(judged(&c, &plain, down(-0.5f, -0.5f), at(0, 0, 1 + 1e-3)), VERDICT_WRONG);
-    court_close(&c);
 }
 
 UNIT_TEST(test_wrong) {
-    court c;
-    squares(&c);
+    court c = squares();
     assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), miss), VERDICT_WRONG);
     assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(1, 0, 2)), VERDICT_WRONG);
     assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 1, 1)), VERDICT_WRONG);
@@ -187,13 +168,11 @@ UNIT_TEST(test_wrong) {
     assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 0, -1)), VERDICT_WRONG);
     assert_int_equal(judged(&c, &embree, down(-0.5f, -0.5f), at(0, 0, (double)NAN)), VERDICT_WRONG);
     assert_int_equal(judged(&c, &embree, down(3, 0), at(0, 0, 1)), VERDICT_WRONG);
-    court_close(&c);
 }
 
 /* Numbers beyond what a tracer takes, or that its t cannot hold. */
 UNIT_TEST(test_beyond) {
-    court c;
-    squares(&c);
+    court c = squares();
     const verdict_tracer limited = {.unit = 0x1p-24, .leaks = true, .largest = 1e18},
                          fine = {.unit = 0x1p-53};
     oracle_ray far = {{-0.5f, -0.5f, 1e19f}, {0, 0, -1}, 0, INFINITY};
@@ -205,19 +184,17 @@ UNIT_TEST(test_beyond) {
     assert_int_equal(judged(&c, &plain, slow, miss), VERDICT_BEYOND);
     assert_int_equal(judged(&c, &fine, slow, miss), VERDICT_WRONG);
     assert_int_equal(judged(&c, &plain, slow, at(0, 0, (double)FLT_MAX)), VERDICT_BEYOND);
-    court_close(&c);
 }
 
 static verdict judged_any(court *c, const verdict_tracer *tracer, oracle_ray ray, bool met) {
     verdict out;
-    assert_true(verdict_any(c->search, c->stage.world, tracer, &ray, met, NULL, &c->room, &out));
+    assert_true(verdict_any(c->search, c->stage.world, tracer, &ray, met, NULL, c->room, &out));
     return out;
 }
 
 /* Each class of any hit: the squares one behind the other, so that an edge of one alone excuses nothing. */
 UNIT_TEST(test_any) {
-    court c;
-    squares(&c);
+    court c = squares();
     float in = nextafterf(1, 0), out = nextafterf(1, 2);
     assert_int_equal(judged_any(&c, &plain, down(0.5f, 0.3f), true), VERDICT_AGREE);
     assert_int_equal(judged_any(&c, &plain, down(3, 0), false), VERDICT_AGREE);
@@ -239,19 +216,16 @@ UNIT_TEST(test_any) {
     assert_int_equal(judged_any(&c, &plain, ray, false), VERDICT_RANGE);
     ray.t_near = 1.001f, ray.t_far = 1.999f;
     assert_int_equal(judged_any(&c, &plain, ray, true), VERDICT_WRONG);
-    court_close(&c);
 }
 
 /* What casts no shadow is not there for any hit. */
 UNIT_TEST(test_any_shadows) {
-    court c;
-    court_open(&c);
+    court c = court_open();
     add_sphere(&c.stage, FATHOM_ROOT, 0, 0, 0, 0.5, FATHOM_CASTS_NO_SHADOW);
     court_begin(&c);
     assert_int_equal(judged_any(&c, &plain, down(0, 0), false), VERDICT_AGREE);
     assert_int_equal(judged_any(&c, &plain, down(0, 0), true), VERDICT_WRONG);
     assert_int_equal(judged(&c, &plain, down(0, 0), miss), VERDICT_WRONG);
-    court_close(&c);
 }
 
 /* ---- exact ends ---- */
@@ -261,8 +235,7 @@ static const verdict_tracer strict = {.unit = 0x1p-24, .strict = true},
 
 /* The closed squares are met at t = 1 and 2 without rounding: neither end of the interval is in doubt. */
 UNIT_TEST(test_open_ends) {
-    court c;
-    squares(&c);
+    court c = squares();
     oracle_ray near = down(-0.5f, -0.25f), far = near;
     near.t_near = 1, near.t_far = 1.5f;
     far.t_far = 1;
@@ -279,13 +252,11 @@ UNIT_TEST(test_open_ends) {
     odd.t_far = 1;
     assert_int_equal(judged_any(&c, &strict, odd, true), VERDICT_RANGE);
     assert_int_equal(judged(&c, &strict, odd, at(0, 0, 1)), VERDICT_WRONG); /* but not report it */
-    court_close(&c);
 }
 
 /* u, v and the normal are judged with the hit. */
 UNIT_TEST(test_details) {
-    court c;
-    squares(&c);
+    court c = squares();
     rays_source *source;
     assert_ok(c.stage.context, rays_create(c.stage.context, c.stage.world, &source));
     const compare_subject subject = {c.stage.world, c.search, source, NULL, plain};
@@ -303,14 +274,12 @@ UNIT_TEST(test_details) {
     wrong[4].normal = (vec3_f32){0, NAN, 4};
     verdict_report report;
     error_report errors;
-    assert_true(compare_judge(&subject, &ray, &right, false, &c.room, &report, &errors));
+    assert_true(compare_judge(&subject, &ray, &right, false, c.room, &report, &errors));
     assert_int_equal(report.verdict, VERDICT_AGREE);
     for (int i = 0; i < 5; ++i) {
-        assert_true(compare_judge(&subject, &ray, &wrong[i], false, &c.room, &report, &errors));
+        assert_true(compare_judge(&subject, &ray, &wrong[i], false, c.room, &report, &errors));
         assert_int_equal(report.verdict, VERDICT_WRONG);
     }
-    rays_destroy(source);
-    court_close(&c);
 }
 
 /* ---- statistics ---- */
@@ -399,8 +368,7 @@ UNIT_TEST(test_power) {
 
 /* By hand: a ray from (-0.5,-0.5,1) straight down onto the corner's half of the square. */
 UNIT_TEST(test_errors) {
-    court c;
-    squares(&c);
+    court c = squares();
     oracle_ray ray = down(-0.5f, -0.5f);
     oracle_primitive p = search_primitive(c.stage.world, 0, 0, FATHOM_NONE);
     oracle_answer exact;
@@ -423,13 +391,11 @@ UNIT_TEST(test_errors) {
     said.normal = (vec3_f32){0, 0, 0}, said.u = (double)NAN;
     error_measure(&ray, &p, &exact, &said, &e);
     assert_true(e.normal > 5e7 && isinf(e.uv));
-    court_close(&c);
 }
 
 /* On a sphere the normal is the point seen from the centre, in an instance's own space. */
 UNIT_TEST(test_sphere_errors) {
-    court c;
-    court_open(&c);
+    court c = court_open();
     const fathom_id group = new_group(c.stage.scene, "one");
     add_sphere(&c.stage, group, 0, 0, 0, 1, 0);
     const double map[12] = {0, -2, 0, 0, 2, 0, 0, 0, 0, 0, 2, 0}; /* twice as large and turned about z */
@@ -445,7 +411,6 @@ UNIT_TEST(test_sphere_errors) {
     error_report e;
     error_measure(&ray, &p, &exact, &said, &e);
     assert_true(e.normal < 1 && e.uv < 0 && e.position < 1e-6);
-    court_close(&c);
 }
 
 /* ---- a whole comparison ---- */
@@ -482,20 +447,16 @@ typedef struct trial {
 
 static void trial_open(trial *t) {
     trace_options kind = {.words = "reference"};
-    court_open(&t->court);
+    t->court = court_open();
     stage *st = &t->court.stage;
     add_everything(st);
     court_begin(&t->court);
     t->mutant = (mutant){.base = {.ops = &mutant_ops, .world = st->world, .unit = 0x1p-24}};
     assert_ok(st->context, trace_create(st->context, st->world, &kind, &t->mutant.inner));
+    own_tracer(t->mutant.inner);
     assert_ok(st->context, rays_create(st->context, st->world, &t->source));
+    own_source(t->source);
     t->subject = (compare_subject){st->world, t->court.search, t->source, &t->mutant.base, plain};
-}
-
-static void trial_close(trial *t) {
-    rays_destroy(t->source);
-    trace_destroy(t->mutant.inner);
-    court_close(&t->court);
 }
 
 static void trial_run(trial *t, unsigned threads, compare_result *out) {
@@ -520,12 +481,11 @@ UNIT_TEST(failures_fail_again_when_their_calls_are_asked_again) {
         verdict_report report;
         error_report errors;
         assert_true(ask_same(&answer, &failure->answer, block->any));
-        assert_true(compare_judge(&t.subject, &block->rays[block->lane], &answer, block->any, &t.court.room,
+        assert_true(compare_judge(&t.subject, &block->rays[block->lane], &answer, block->any, t.court.room,
                                   &report, &errors));
         assert_int_equal(report.verdict, VERDICT_WRONG);
     }
     compare_result_free(&result);
-    trial_close(&t);
 }
 
 UNIT_TEST(no_number_and_no_failure_depends_on_the_threads) {
@@ -540,19 +500,18 @@ UNIT_TEST(no_number_and_no_failure_depends_on_the_threads) {
         assert_int_equal(one.failures.items[i].index, three.failures.items[i].index);
     compare_result_free(&one);
     compare_result_free(&three);
-    trial_close(&t);
 }
 
 /* ---- rays and counts ---- */
 
 /* Every ray of every family is allowed, and the same when asked for again; another seed makes others. */
 UNIT_TEST(test_rays) {
-    court c;
-    court_open(&c);
+    court c = court_open();
     add_everything(&c.stage);
     court_begin(&c);
     rays_source *source;
     assert_ok(c.stage.context, rays_create(c.stage.context, c.stage.world, &source));
+    own_source(source);
     for (int f = 0; f < RAYS_RENDERED; ++f) {
         unsigned same = 0;
         for (uint64_t i = 0; i < 2000; ++i) {
@@ -565,8 +524,6 @@ UNIT_TEST(test_rays) {
         }
         assert_true(same < 20);
     }
-    rays_destroy(source);
-    court_close(&c);
 }
 
 UNIT_TEST(test_histogram) {
