@@ -1,19 +1,12 @@
-/* A context, for tests that need no more: set-up and tear-down of a group. */
+/* A context, for tests that need no more: set-up of a group. */
 #pragma once
 
-#include "unit.h"
-
-#include <fathom/base.h>
+#include "owned.h"
 
 static fathom_context *context;
 
 static inline int open_context(void **state) {
     (void)state;
-    return fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-
-static inline int close_context(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
+    context = new_context();
     return 0;
 }

@@ -1,6 +1,6 @@
 /* Error against time: fits and tables from made-up images, and a small scene measured. */
 #include "measure/converge.h"
-#include "unit.h"
+#include "unit_context.h"
 
 #define STEPS 5
 #define ROUNDS 3
@@ -89,18 +89,6 @@ UNIT_TEST(below_the_reference) {
 }
 
 /* ---- a scene ---- */
-
-static fathom_context *context;
-
-static int begin(void **state) {
-    (void)state;
-    return fathom_context_create(&context) == FATHOM_OK ? 0 : -1;
-}
-static int end(void **state) {
-    (void)state;
-    fathom_context_destroy(context);
-    return 0;
-}
 
 static void open_example(bench_stage *stage) {
     fathom_scene *scene;
@@ -197,4 +185,4 @@ UNIT_TEST(interrupted) {
     stage_close(&stage);
 }
 
-int main(void) { return unit_main(begin, end); }
+int main(void) { return unit_main(open_context, NULL); }

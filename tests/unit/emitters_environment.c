@@ -1,13 +1,16 @@
 /* Laws of light from images around the scene. Statistical tests have fixed numbers and are made at 5 standard
  * errors (6e-7). */
-#include "defaults.h"
 #include "image/image.h"
 #include "light/emitters.h"
 #include "light/environment.h"
 #include "math/lane.h"
 #include "random.h"
-#include "unit_folder.h"
 #include "variants.h"
+#include "worlds.h"
+
+#include "unit_folder.h"
+
+UNIT_OWNS(emitters, emitters, emitters_destroy)
 
 VARIANTS(sky_kernels)
 
@@ -24,15 +27,7 @@ static emitters *e;
 static int begin(void **state) {
     (void)state;
     memset(texels, 0, sizeof texels);
-    return fathom_scene_create(context, &scene) == FATHOM_OK ? 0 : -1;
-}
-
-static int end(void **state) {
-    (void)state;
-    emitters_destroy(e);
-    world_destroy(w);
-    fathom_scene_destroy(scene);
-    e = NULL, w = NULL;
+    scene = new_scene(context);
     return 0;
 }
 
@@ -56,8 +51,9 @@ static void add_sky(double rotation) {
 static void open_sky(double rotation) {
     write_sky();
     add_sky(rotation);
-    assert_ok(context, world_create(scene, &w));
+    w = new_world(scene);
     assert_ok(context, emitters_create(context, w, NULL, NULL, &e));
+    own_emitters(e);
 }
 
 static void fill(emitter_query *q, vec3_f64 n) {
@@ -168,7 +164,6 @@ UNIT_TEST(eighths_of_the_numbers_take_one_kind_of_light_each) {
             assert_true(now >= eighths);
             if (finite == 0x1p-8) assert_int_equal(now, 1);
             eighths = now;
-            end(state);
             begin(state);
         }
         assert_int_equal(eighths, sun ? 6 : 7);
@@ -259,7 +254,7 @@ UNIT_TEST(an_image_lies_as_documented) {
                         0.03);
             assert_true(s.radiance[2][i] == 0 && isinf(s.distance[i]) && s.sized[i]);
         }
-        end(state), begin(state);
+        begin(state);
     }
 }
 
@@ -290,7 +285,7 @@ UNIT_TEST(samples_and_rays_that_leave_agree) {
                                 off * (double)radiance[c][i]);
             }
         }
-        end(state), begin(state);
+        begin(state);
     }
 }
 
@@ -534,13 +529,13 @@ UNIT_TEST(bad_texels_are_refused_with_their_place) {
         texels[5 * WIDTH + 9][1] = bad[k];
         write_sky();
         add_sky(0);
-        assert_ok(context, world_create(scene, &w));
+        w = new_world(scene);
         assert_fails(context, emitters_create(context, w, NULL, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
         assert_non_null(strstr(fathom_context_message(context), "texel (9, 5)"));
-        end(state), begin(state);
+        begin(state);
     }
     add_sky(0);
-    assert_ok(context, world_create(scene, &w));
+    w = new_world(scene);
     assert_fails(context, emitters_create(context, w, NULL, NULL, &e), FATHOM_BAD_INPUT, "sky.exr");
 }
 
@@ -572,6 +567,6 @@ UNIT_TEST(another_image_is_another_scene) {
 }
 
 int main(void) {
-    unit_each(begin, end);
+    unit_each(begin, NULL);
     return unit_main(open_folder, remove_folder);
 }

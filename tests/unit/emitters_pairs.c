@@ -66,7 +66,6 @@ static void compare_squares(bool alone) {
     static emitter_sample mesh[BLOCKS], quad[BLOCKS];
     sample_square(true, alone, mesh);
     assert_int_equal(e->finite_count, alone ? 1 : 2);
-    end_light(NULL);
     begin_light(NULL);
     sample_square(false, alone, quad);
     assert_memory_equal(mesh, quad, sizeof mesh);
@@ -84,7 +83,6 @@ UNIT_TEST(the_only_pair_with_an_area_is_the_light) {
     add_mesh(FATHOM_ROOT, p[0], 8, pairs, 4);
     open_light();
     sample_all(both);
-    end_light(NULL);
     begin_light(NULL);
     add_mesh(FATHOM_ROOT, p[4], 4, pairs, 2);
     open_light();
@@ -201,7 +199,7 @@ static const shape shapes[] = {
 UNIT_TEST(only_flat_quads_are_pairs) {
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; ++k) {
         const shape *s = &shapes[k];
-        if (k) end_light(NULL), begin_light(NULL);
+        if (k) begin_light(NULL);
         add_mesh(FATHOM_ROOT, s->positions[0], s->vertices, s->indices, s->triangles);
         open_light();
         if (e->finite_count != s->emitters)
@@ -209,4 +207,4 @@ UNIT_TEST(only_flat_quads_are_pairs) {
     }
 }
 
-int main(void) { return unit_main_each(begin_light, end_light); }
+int main(void) { return unit_main_each(begin_light, NULL); }

@@ -126,4 +126,4 @@ UNIT_TEST(rays_along_samples_find_what_they_say) {
     assert_true(same >= all - all / 500);
 }
 
-int main(void) { return unit_main_each(begin_light, end_light); }
+int main(void) { return unit_main_each(begin_light, NULL); }

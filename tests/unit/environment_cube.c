@@ -1,8 +1,10 @@
 /* Environments given by the faces of a cube. */
-#include "defaults.h"
 #include "image/image.h"
 #include "light/environment.h"
+#include "owned.h"
 #include "unit_folder.h"
+
+UNIT_OWNS(environment, environment, environment_destroy)
 
 enum { SIDE = 16, FACES = 6, FORMS = 5, MOST = 12 * SIDE * SIDE };
 
@@ -78,7 +80,9 @@ static void write_faces(bool smooth) {
 static fathom_status open_sky(const char *name, environment **out) {
     fathom_light light = default_light();
     light.type = FATHOM_LIGHT_ENVIRONMENT, light.file = in_folder(name);
-    return environment_create(context, &light, out);
+    const fathom_status status = environment_create(context, &light, out);
+    if (status == FATHOM_OK) own_environment(*out);
+    return status;
 }
 
 /* Form 0 has six files. */
@@ -103,7 +107,6 @@ UNIT_TEST(each_face_lies_where_opengl_has_it) {
     for (unsigned k = 0; k < FORMS; ++k) {
         environment *e = open_form(k, false);
         for (unsigned face = 0; face < FACES; ++face) assert_near(red(e, axes[face]), face + 1.0, 1e-6);
-        environment_destroy(e);
     }
 }
 
@@ -126,7 +129,6 @@ UNIT_TEST(a_smooth_sky_comes_back) {
         assert_true(off < bound);
         /* What is off at the one edge of a face is off the other way at the opposite one. */
         assert_near(sum, 1, 1.0 / (SIDE * SIDE));
-        environment_destroy(e);
     }
 }
 
@@ -174,7 +176,6 @@ UNIT_TEST(what_a_file_leaves_out_is_black) {
         const vec3_f64 d = direction_on(i % FACES, sin(i), cos(3 * i));
         assert_true(red(e[0], d) == red(e[1], d));
     }
-    environment_destroy(e[0]), environment_destroy(e[1]);
 }
 
 UNIT_TEST(what_lies_outside_of_the_image_is_not_used) {
@@ -194,7 +195,6 @@ UNIT_TEST(what_lies_outside_of_the_image_is_not_used) {
         const vec3_f64 d = direction_on(i % FACES, sin(i), cos(3 * i));
         assert_true(red(e[0], d) == red(e[1], d));
     }
-    environment_destroy(e[0]), environment_destroy(e[1]);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }

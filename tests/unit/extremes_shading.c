@@ -99,4 +99,4 @@ UNIT_TEST(what_is_wrong) {
     array_free(&rows);
 }
 
-int main(void) { return unit_main(open_context, close_context); }
+int main(void) { return unit_main(open_context, NULL); }

@@ -353,4 +353,4 @@ UNIT_TEST(too_much_for_the_memory_is_a_status) {
     assert_fails(context, fathom_scene_generate(scene, 0, &options), FATHOM_OUT_OF_RESOURCES, "GiB");
 }
 
-int main(void) { return unit_main(open_context, close_context); }
+int main(void) { return unit_main(open_context, NULL); }

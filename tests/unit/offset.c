@@ -37,4 +37,4 @@ UNIT_TEST(in_instances) {
     }
 }
 
-int main(void) { return unit_main(open_scene, close_scene); }
+int main(void) { return unit_main(open_scene, NULL); }

@@ -2,12 +2,14 @@
 #include "surface/tangents.h"
 #include "unit_scene.h"
 
+UNIT_OWNS(tangents, surface_tangents, surface_tangents_free)
+
 static const float even[3] = {1 / 3.f, 1 / 3.f, 1 / 3.f};
 
 static surface_tangents *make(const fathom_mesh *mesh, unsigned set) {
     surface_tangents *t;
     assert_ok(context, surface_tangents_make(context, mesh, set, &t));
-    return t;
+    return own_tangents(t);
 }
 
 static void expect_along(const surface_tangents *t, const fathom_mesh *mesh, uint32_t triangle,
@@ -57,7 +59,6 @@ UNIT_TEST(an_even_image_has_one_tangent) {
         surface_tangents *t = make(&mesh, 0);
         for (uint32_t k = 0; k < 4; ++k)
             expect_along(t, &mesh, k, even, cos(turn), sin(turn), 0, 64 * rounding);
-        surface_tangents_free(t);
     }
 }
 
@@ -77,7 +78,6 @@ UNIT_TEST(mirrored_halves_keep_apart) {
         expect_along(t, &mesh, k, even, 0, way, 0, rounding);
         expect_along(t, &mesh, k, at_middle, 0, way, 0, rounding);
     }
-    surface_tangents_free(t);
 }
 
 /* Two islands of the image, turned against each other, that meet at vertices of the mesh. */
@@ -94,7 +94,6 @@ UNIT_TEST(islands_keep_apart) {
     surface_tangents *t = make(&mesh, 0);
     const float at_middle[3] = {1, 0, 0};
     for (uint32_t k = 0; k < 4; ++k) expect_along(t, &mesh, k, at_middle, k < 2, k >= 2, 0, rounding);
-    surface_tangents_free(t);
 }
 
 /* A vertex's tangent weighs triangles by their angles there, however large they are. */
@@ -112,7 +111,6 @@ UNIT_TEST(angles_weigh) {
     const double length = hypot(1, 1.6), x = M_PI / 2 + M_PI / 4 / length, y = M_PI / 4 * -1.6 / length;
     expect_along(t, &mesh, 0, (float[3]){1, 0, 0}, x / hypot(x, y), y / hypot(x, y), 0, 4 * rounding);
     expect_along(t, &mesh, 1, (float[3]){1, 0, 0}, x / hypot(x, y), y / hypot(x, y), 0, 4 * rounding);
-    surface_tangents_free(t);
 }
 
 enum { AROUND = 48, DOWN = 24, CORNERS = (AROUND + 1) * (DOWN + 1) };
@@ -160,7 +158,6 @@ UNIT_TEST(a_globe_has_tangents_along_its_latitudes) {
                              inside ? 0.01 : 2 * M_PI / AROUND);
             }
         }
-        surface_tangents_free(t);
     }
 }
 
@@ -171,12 +168,10 @@ UNIT_TEST(what_has_no_direction_has_no_tangent) {
     vec3_f32 out;
     surface_tangents *t = make(&mesh, 0);
     for (uint32_t k = 0; k < 4; ++k) assert_false(surface_tangents_at(t, &mesh, k, even, &out));
-    surface_tangents_free(t);
     mesh = flat(one);
     t = make(&mesh, 0);
     assert_false(surface_tangents_at(t, &mesh, 3, even, &out));
     assert_true(surface_tangents_at(t, &mesh, 1, even, &out));
-    surface_tangents_free(t);
     /* Without normals, or without the set that is asked for, none are made. */
     assert_null(make(&mesh, 1));
     mesh.normals = NULL, mesh.normal_count = 0;
@@ -195,8 +190,6 @@ UNIT_TEST(each_set_has_its_own) {
     surface_tangents *first = make(&mesh, 0), *second = make(&mesh, 1);
     expect_along(first, &mesh, 2, even, 1, 0, 0, rounding);
     expect_along(second, &mesh, 2, even, 0, -1, 0, rounding);
-    surface_tangents_free(first);
-    surface_tangents_free(second);
 }
 
-int main(void) { return unit_main_each(open_scene, close_scene); }
+int main(void) { return unit_main_each(open_scene, NULL); }
