@@ -36,14 +36,7 @@ JSON
 run 0 info aovs.json --json
 [ "$(number out.txt film)" = $((640 * 480 * 18 * 4)) ] || die "film: $(number out.txt film)"
 
-cat >mesh.obj <<'OBJ'
-v 0 0 0
-v 1 0 0
-v 0 1 0
-v 2 0 0
-f 1 2 3
-f 1 2 4
-OBJ
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n' >mesh.obj
 cat >nested.json <<'JSON'
 {
   "lights": [],

@@ -37,14 +37,7 @@ at_least "$rate * $(number s.json render)" "$sum * 0.999" 'rays/s'
 at_least "$sum * 1.001" "$rate * $(number s.json render)" 'rays/s'
 
 # Instances, triangles and degenerate triangles are counted.
-cat >mesh.obj <<'OBJ'
-v 0 0 0
-v 1 0 0
-v 0 1 0
-v 2 0 0
-f 1 2 3
-f 1 2 4
-OBJ
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n' >mesh.obj
 run 0 render mesh.obj --integrator classic -o a.exr --size 32x32 --stats s.json
 [ "$(number s.json triangles) $(number s.json degenerateTriangles)" = '2 1' ] || die 'degenerate triangles'
 [ "$(grep -c 'fathom: warning: triangles without area that are left out: 1' err.txt)" = 1 ] || die 'one warning'
