@@ -259,6 +259,7 @@ UNIT_TEST(test_details) {
     court c = squares();
     rays_source *source;
     assert_ok(c.stage.context, rays_create(c.stage.context, c.stage.world, &source));
+    own_source(source);
     const compare_subject subject = {c.stage.world, c.search, source, NULL, plain};
     oracle_ray ray = down(-0.5f, -0.25f);
     oracle_primitive p = search_primitive(c.stage.world, 0, 0, FATHOM_NONE);
