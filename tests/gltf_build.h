@@ -55,12 +55,16 @@ static inline fathom_status read_asked(const fathom_read_options *asked, fathom_
     return status;
 }
 
-static inline fathom_scene *read_at(double time) {
+static inline fathom_scene *read_as(const fathom_read_options *asked) {
     fathom_scene *scene;
+    assert_ok(context, read_asked(asked, &scene));
+    return scene;
+}
+
+static inline fathom_scene *read_at(double time) {
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = time;
-    assert_ok(context, read_asked(&asked, &scene));
-    return scene;
+    return read_as(&asked);
 }
 
 /* Reads file_path, which is refused with this text in the message. */

@@ -103,12 +103,7 @@ UNIT_TEST(surfaces_that_only_emit_cast_no_shadow_rays) {
 
 /* ---- texture coordinates ---- */
 
-static void write_text(const char *path, const char *text) {
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    assert_true(fputs(text, file) >= 0);
-    assert_int_equal(fclose(file), 0);
-}
+static void write_text(const char *path, const char *text) { unit_write_file(path, text, strlen(text)); }
 
 /* Reads the file either way: the same image, and texture coordinates in the second only if they are used. */
 static void assert_read_without(const char *path, bool used) {

@@ -152,11 +152,11 @@ UNIT_TEST(what_does_not_move_the_same_is_posed_together) {
                 "give --animation NAME|N for each to apply: 0, 1, 2 \"far\""));
     fathom_read_options asked = default_read_options();
     asked.animations = (const char *const[]){"far", NULL}, asked.choose_time = true, asked.time = 1;
-    assert_ok(context, read_asked(&asked, &scene));
+    scene = read_as(&asked);
     assert_vec(placed_corner(scene, 0, 0, 1), 8 + 1, 0, 0, 1e-12);
     assert_vec(placed_corner(scene, 1, 0, 0), 0, 0, 0, 1e-12);
     asked.animations = (const char *const[]){"far", "1", NULL};
-    assert_ok(context, read_asked(&asked, &scene));
+    scene = read_as(&asked);
     assert_vec(placed_corner(scene, 0, 0, 1), 8 + 3, 0, 0, 1e-12);
     assert_vec(placed_corner(scene, 1, 0, 0), 3, 3, 3, 1e-12);
     asked.animations = (const char *const[]){"far", "1", "0", NULL};
@@ -338,7 +338,7 @@ UNIT_TEST(a_scene_is_chosen_by_name_or_number) {
     const char *const names[] = {NULL, "right", "1", "left", "0"};
     for (int i = 0; i < 5; ++i) {
         asked.scene = names[i];
-        assert_ok(context, read_asked(&asked, &scene));
+        scene = read_as(&asked);
         assert_int_equal(scene->instances.count, 1);
         assert_vec(placed_corner(scene, 0, 0, 0), i < 3 ? 2 : 0, 0, 0, 0);
         assert_int_equal(warning_count > 0, !names[i]);
@@ -362,7 +362,7 @@ UNIT_TEST(variants_replace_materials) {
     const char *const names[] = {NULL, "day", "night", "1"}, *const shown[] = {"a", "a", "b", "b"};
     for (int i = 0; i < 4; ++i) {
         asked.variant = names[i];
-        assert_ok(context, read_asked(&asked, &scene));
+        scene = read_as(&asked);
         assert_int_equal(scene->meshes.items[0].material, find_material(scene, shown[i]));
         assert_int_equal(warning_count > 0, !names[i]);
     }
@@ -372,7 +372,6 @@ UNIT_TEST(variants_replace_materials) {
 }
 
 UNIT_TEST(units_scale_models_cameras_lamps_and_volumes_alike) {
-    fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.unit = 0.01;
     write_triangle(WITH_DATA("'meshes':[{'primitives':[{'attributes':{'POSITION':0},'material':0}]}],"
@@ -382,7 +381,7 @@ UNIT_TEST(units_scale_models_cameras_lamps_and_volumes_alike) {
                              "'extensions':{'KHR_lights_punctual':{'lights':[{'type':'point'}]}},"
                              "'nodes':[{'mesh':0},{'camera':0,'translation':[0,0,5],'extensions':{"
                              "'KHR_lights_punctual':{'light':0}}}]"));
-    assert_ok(context, read_asked(&asked, &scene));
+    fathom_scene *scene = read_as(&asked);
     scene_bounds bounds;
     assert_ok(context, scene_world_bounds(scene, &bounds));
     assert_vec(bounds.upper, 0.01, 0.01, 0.005, 1e-15);

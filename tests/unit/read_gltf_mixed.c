@@ -129,9 +129,8 @@ UNIT_TEST(moving_targets_may_begin_at_rest) {
         "{'sampler':0,'target':{'node':0,'path':'weights'}}]}]",
         both, b.count - 1, target, times, weights);
     fathom_read_options asked = default_read_options();
-    fathom_scene *scene;
     asked.choose_time = true, asked.time = 0, asked.shutter = 1;
-    assert_ok(context, read_asked(&asked, &scene));
+    fathom_scene *scene = read_as(&asked);
     const fathom_mesh *m = &scene->meshes.items[0];
     assert_int_equal(m->key_count, 2);
     for (size_t k = 0; k < 2; ++k) {
@@ -179,9 +178,8 @@ UNIT_TEST(instances_follow_mirrored_and_moving_nodes) {
         "'output':%d}],'channels':[{'sampler':0,'target':{'node':0,'path':'translation'}}]}]",
         points, places, turns, sizes, times, slide);
     fathom_read_options asked = default_read_options();
-    fathom_scene *scene;
     asked.choose_time = true, asked.time = 0, asked.shutter = 0.5;
-    assert_ok(context, read_asked(&asked, &scene));
+    fathom_scene *scene = read_as(&asked);
     assert_int_equal(scene->instances.count, 2);
     for (int k = 0; k < 3; ++k) {
         const affine_f64 one = motion_place(&scene->instances.items[0], 0.25 * k),

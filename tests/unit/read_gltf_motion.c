@@ -10,10 +10,9 @@
 #define FACING 0, 0, 1, 0, 0, 1, 0, 0, 1
 
 static fathom_scene *read_blurred(double time, double shutter) {
-    fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = time, asked.shutter = shutter;
-    assert_ok(context, read_asked(&asked, &scene));
+    fathom_scene *scene = read_as(&asked);
     return scene;
 }
 

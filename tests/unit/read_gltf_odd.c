@@ -243,11 +243,10 @@ UNIT_TEST(oddities_count_once_while_the_shutter_is_open) {
                 "'samplers':[{'input':%d,'output':%d}],'channels':[{'sampler':0,'target':{'node':0,'path':"
                 "'rotation'}},{'sampler':0,'target':{'node':-1,'path':'rotation'}}]}]",
                 positions, positions, times, turns);
-    fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.shutter = 1;
     memset(warned, 0, sizeof warned);
-    assert_ok(context, read_asked(&asked, &scene));
+    fathom_scene *scene = read_as(&asked);
     assert_true(scene->instances.items[0].key_count > 2);
     assert_int_equal(warning_count, 4);
     for (const char *line = warned; *line; line = strchr(line, '\n') + 1) {

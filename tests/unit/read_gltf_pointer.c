@@ -136,13 +136,12 @@ UNIT_TEST(pointers_that_are_not_followed_are_told_by_name) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         build b = {.size = 0};
-        fathom_scene *scene;
         fathom_read_options asked = default_read_options();
         const int times = PUT_FLOATS(&b, "SCALAR", 2, 0, 1), values = PUT_FLOATS(&b, "SCALAR", 2, 0.5, 1);
         write_pointer(&b, cases[i].pointer, "LINEAR", times, values, "{}");
         asked.choose_time = true, asked.shutter = 0.5;
         forget_warnings();
-        assert_ok(context, read_asked(&asked, &scene));
+        fathom_scene *scene = read_as(&asked);
         expect_warning(cases[i].told);
         /* It has its value of the middle: 0.625 radians. */
         if (strstr(cases[i].told, "blurred")) assert_near(scene->camera.h, 2 * tan(0.3125), 1e-7);

@@ -152,10 +152,9 @@ UNIT_TEST(vertices_blur_with_their_joints_alone) {
             "'node':2,'path':'translation'}}]}",
             times, places),
         "", JOINTS);
-    fathom_scene *scene;
     fathom_read_options asked = default_read_options();
     asked.choose_time = true, asked.time = 0.5, asked.shutter = 1;
-    assert_ok(context, read_asked(&asked, &scene));
+    fathom_scene *scene = read_as(&asked);
     const fathom_mesh *mesh = &scene->meshes.items[0];
     assert_true(mesh->key_count > 1);
     for (uint32_t k = 0; k < mesh->key_count; ++k) {
