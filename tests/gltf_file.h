@@ -117,10 +117,7 @@ static inline fathom_scene *read_triangle(const char *json) {
 /* Corner c of triangle t of mesh m. */
 static inline vec3_f64 corner(const fathom_scene *scene, size_t m, uint32_t t, int c) {
     const fathom_mesh *mesh = &scene->meshes.items[m];
-    uint32_t i = mesh->indices[t * 3 + (uint32_t)c];
-    float p[3];
-    memcpy(p, (const char *)mesh->positions + mesh->position_stride * i, sizeof p);
-    return widen(load_f32(p));
+    return widen(load_f32(mesh_vertex(mesh, mesh->indices[t * 3 + (uint32_t)c])));
 }
 
 #define assert_vec(v, ex, ey, ez, tolerance)                                                                 \

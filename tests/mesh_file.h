@@ -38,9 +38,7 @@ static inline const fathom_mesh *mesh_at(const fathom_scene *scene, size_t i) {
 
 /* Vertex i, origin included. */
 static inline vec3_f64 mesh_point(const fathom_mesh *mesh, uint32_t i) {
-    const char *base = (const char *)mesh->positions;
-    const float *p = (const float *)(const void *)(base + i * mesh->position_stride);
-    return add_f64(load_f64(mesh->origin), widen(load_f32(p)));
+    return add_f64(load_f64(mesh->origin), widen(load_f32(mesh_vertex(mesh, i))));
 }
 
 static inline void mesh_expect_point(const fathom_mesh *mesh, uint32_t i, double x, double y, double z) {

@@ -504,8 +504,7 @@ UNIT_TEST(ply_keeps_an_image_of_all_triangles) {
     const fathom_map *map = &back->materials.items[mesh->material].value.maps[FATHOM_MAP_COLOR];
     assert_int_not_equal(map->texture, FATHOM_NONE);
     for (uint32_t i = 0; i < 3; ++i) {
-        const float *t = map->transform, *in = uvs + 2 * i,
-                    *uv = (const float *)(const void *)((const char *)mesh->uvs + mesh->uv_stride * i);
+        const float *t = map->transform, *in = uvs + 2 * i, *uv = mesh_row(mesh->uvs, mesh->uv_stride, i);
         for (int k = 0; k < 2; ++k) {
             const float *from = turned + 3 * k;
             assert_true(t[3 * k] * uv[0] + t[3 * k + 1] * uv[1] + t[3 * k + 2] ==

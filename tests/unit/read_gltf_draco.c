@@ -49,7 +49,7 @@ static void assert_corner(void) {
         /* Half a step of the largest side, 2, in 2^11 - 1 steps. */
         if (fabsf(p[2] - 2) > 1 / 2047.0f) continue;
         ++found;
-        const float *c = (const float *)(const void *)((const char *)mesh->colors + mesh->color_stride * i);
+        const float *c = mesh_row(mesh->colors, mesh->color_stride, i);
         assert_vec(widen(load_f32(p)), 1, 1, 2, 1 / 2047.0);
         assert_vec(widen(load_f32(c)), 0.2, 0.4, 0.6, 1e-7);
     }

@@ -29,10 +29,6 @@ static int put_sparse(build *b, int component, const char *type, unsigned count,
     return view_number;
 }
 
-static const float *row_of(const float *values, size_t stride, size_t i) {
-    return (const float *)(const void *)((const char *)values + stride * i);
-}
-
 /* max(c / 127, -1) and max(c / 32767, -1), for what is replaced as for what is not. */
 UNIT_TEST(sparse_values_are_normalized_as_others) {
     static const char scaled[] = ",'normalized':true";
@@ -51,9 +47,9 @@ UNIT_TEST(sparse_values_are_normalized_as_others) {
     assert_vec(corner(scene, 0, 0, 0), -1, (double)(16384 / 32767.0f), 0, 0);
     assert_vec(corner(scene, 0, 0, 1), 1, 0, 0, 0);
     assert_vec(corner(scene, 0, 0, 2), 0, 0, 1, 0);
-    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 0))), 0, 0, 1, 0);
-    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 1))), 0, 0, 0, 0);
-    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 2))), -1, (double)(64 / 127.0f), 0, 0);
+    assert_vec(widen(load_f32(mesh_row(m->normals, m->normal_stride, 0))), 0, 0, 1, 0);
+    assert_vec(widen(load_f32(mesh_row(m->normals, m->normal_stride, 1))), 0, 0, 0, 0);
+    assert_vec(widen(load_f32(mesh_row(m->normals, m->normal_stride, 2))), -1, (double)(64 / 127.0f), 0, 0);
 }
 
 /* Colours and uvs in bytes, sparse over nothing; KHR_mesh_quantization has uvs that are not normalized. */
@@ -73,8 +69,8 @@ UNIT_TEST(sparse_looks_are_read) {
     const fathom_mesh *m = &scene->meshes.items[0];
     assert_int_equal(m->color_channels, 4);
     for (size_t i = 0; i < 3; ++i) {
-        const float on = i == 1, *c = row_of(m->colors, m->color_stride, i),
-                    *uv0 = row_of(m->uvs, m->uv_stride, i), *uv1 = row_of(m->uvs_1, m->uv_1_stride, i);
+        const float on = i == 1, *c = mesh_row(m->colors, m->color_stride, i),
+                    *uv0 = mesh_row(m->uvs, m->uv_stride, i), *uv1 = mesh_row(m->uvs_1, m->uv_1_stride, i);
         assert_true(c[0] == on && c[1] == 0 && c[2] == on * (51 / 255.0f) && c[3] == on * (102 / 255.0f));
         assert_true(uv0[0] == 3 * on && uv0[1] == 255 * on);
         assert_true(uv1[0] == on * (3 / 255.0f) && uv1[1] == on);
@@ -228,13 +224,13 @@ UNIT_TEST(shared_arrays_are_cut_alike) {
         assert_int_equal(mesh->vertex_count, 3);
         for (size_t k = 0; k < 3; ++k) {
             const size_t i = mesh->indices[k];
-            const float n = (float)used[m][k], *p = row_of(mesh->positions, mesh->position_stride, i),
-                        *t = row_of(mesh->tangents, mesh->tangent_stride, i),
-                        *c = row_of(mesh->colors, mesh->color_stride, i);
+            const float n = (float)used[m][k], *p = mesh_row(mesh->positions, mesh->position_stride, i),
+                        *t = mesh_row(mesh->tangents, mesh->tangent_stride, i),
+                        *c = mesh_row(mesh->colors, mesh->color_stride, i);
             assert_true(p[0] == n && p[1] == n * n && t[1] == n && t[3] == (used[m][k] % 2 ? 1 : -1));
-            assert_true(row_of(mesh->normals, mesh->normal_stride, i)[0] == n);
-            assert_true(row_of(mesh->uvs, mesh->uv_stride, i)[0] == n);
-            assert_true(row_of(mesh->uvs_1, mesh->uv_1_stride, i)[1] == n);
+            assert_true(mesh_row(mesh->normals, mesh->normal_stride, i)[0] == n);
+            assert_true(mesh_row(mesh->uvs, mesh->uv_stride, i)[0] == n);
+            assert_true(mesh_row(mesh->uvs_1, mesh->uv_1_stride, i)[1] == n);
             assert_true(c[0] == n / 255 && c[3] == (255 - n) / 255);
         }
     }
@@ -280,10 +276,10 @@ UNIT_TEST(numbers_that_are_none_are_zero) {
         points, normals, tangents, uvs, colors, bent);
     fathom_scene *scene = read_file();
     const fathom_mesh *m = &scene->meshes.items[0];
-    const float *t = row_of(m->tangents, m->tangent_stride, 1), *uv = row_of(m->uvs, m->uv_stride, 1),
-                *c = row_of(m->colors, m->color_stride, 1);
-    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 0))), 0, 0, 1, 0);
-    assert_vec(widen(load_f32(row_of(m->normals, m->normal_stride, 1))), 0, 1, 0, 0);
+    const float *t = mesh_row(m->tangents, m->tangent_stride, 1), *uv = mesh_row(m->uvs, m->uv_stride, 1),
+                *c = mesh_row(m->colors, m->color_stride, 1);
+    assert_vec(widen(load_f32(mesh_row(m->normals, m->normal_stride, 0))), 0, 0, 1, 0);
+    assert_vec(widen(load_f32(mesh_row(m->normals, m->normal_stride, 1))), 0, 1, 0, 0);
     assert_true(t[0] == 1 && t[1] == 0 && t[2] == 0 && t[3] == -1);
     assert_true(uv[0] == 3 && uv[1] == 0);
     assert_true(c[0] == 0.25f && c[1] == 0 && c[2] == 1);

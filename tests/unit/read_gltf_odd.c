@@ -163,7 +163,7 @@ UNIT_TEST(odd_normals_become_zeros) {
     write_glb(MESH("'attributes':{'POSITION':0,'NORMAL':4},'indices':1"), &data, sizeof data);
     fathom_scene *scene = read_file();
     const fathom_mesh *m = &scene->meshes.items[0];
-    const float *second = (const float *)(const void *)((const char *)m->normals + m->normal_stride);
+    const float *second = mesh_row(m->normals, m->normal_stride, 1);
     assert_near((double)second[2], 0, 0);
     assert_near((double)m->normals[2], 1, 0);
     assert_int_equal(warning_count, 1);

@@ -41,8 +41,7 @@ UNIT_TEST(aligned_floats_are_used_in_place) {
         assert_int_equal(mesh->normal_stride, shift ? 12 : 28);
         for (uint32_t i = 0; i < 4; ++i) {
             mesh_expect_point(mesh, i, i % 2, i / 2, 0);
-            assert_true(((const float *)(const void *)((const char *)mesh->normals +
-                                                       i * mesh->normal_stride))[2] == (float)i + 1);
+            assert_true(mesh_row(mesh->normals, mesh->normal_stride, i)[2] == (float)i + 1);
         }
     }
 }
@@ -617,8 +616,7 @@ UNIT_TEST(vertex_colours_are_read) {
         fathom_scene *scene = ply_read(&m);
         const fathom_mesh *mesh = mesh_at(scene, 0);
         for (uint32_t i = 0; i < 4; ++i) {
-            const float *rgb =
-                (const float *)(const void *)((const char *)mesh->colors + mesh->color_stride * i);
+            const float *rgb = mesh_row(mesh->colors, mesh->color_stride, i);
             assert_true(rgb[0] == 1 && rgb[1] == 0);
             assert_near(rgb[2], whole ? 0.50288653 : 0.5, 1e-7);
         }
@@ -705,7 +703,7 @@ UNIT_TEST(opacities_and_second_uvs_are_read) {
         assert_int_equal(mesh->color_channels, clear ? 3 : 4);
         if (!clear) assert_near(mesh->colors[3], 0.2, 1e-7);
         if (clear) expect_warning("alpha is 0 at all vertices, and left out (4 such)");
-        const float *second = (const float *)(const void *)((const char *)mesh->uvs_1 + mesh->uv_1_stride);
+        const float *second = mesh_row(mesh->uvs_1, mesh->uv_1_stride, 1);
         assert_true(second[0] == 0.25f && second[1] == 0.5f);
     }
 }

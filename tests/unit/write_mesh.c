@@ -26,24 +26,20 @@ typedef struct soup {
     ARRAY(triangle) triangles;
 } soup;
 
-static const float *element(const float *base, size_t stride, uint32_t i) {
-    return (const float *)(const void *)((const char *)base + stride * i);
-}
-
 /* v grows upwards, whatever the file has. */
 static corner make_corner(const fathom_mesh *m, bool upwards, size_t i, const affine_f64 *map,
                           const affine_f64 *inverse) {
     corner c = {{0}, {0}, {0}};
-    vec3_f64 p = widen(load_f32(element(m->positions, m->position_stride, m->indices[i])));
+    vec3_f64 p = widen(load_f32(mesh_vertex(m, m->indices[i])));
     store_f32(c.position, narrow(affine_point(map, p)));
     if (m->normals) {
         uint32_t k = m->normal_indices ? m->normal_indices[i] : m->indices[i];
-        vec3_f64 n = widen(load_f32(element(m->normals, m->normal_stride, k)));
+        vec3_f64 n = widen(load_f32(mesh_row(m->normals, m->normal_stride, k)));
         if (!affine_is_identity(map)) n = normalize_f64(affine_transposed_vector(inverse, n));
         store_f32(c.normal, narrow(n));
     }
     if (m->uvs)
-        memcpy(c.uv, element(m->uvs, m->uv_stride, m->uv_indices ? m->uv_indices[i] : m->indices[i]), 8);
+        memcpy(c.uv, mesh_row(m->uvs, m->uv_stride, m->uv_indices ? m->uv_indices[i] : m->indices[i]), 8);
     if (m->uvs && !upwards) c.uv[1] = 1 - c.uv[1];
     return c;
 }
@@ -183,10 +179,11 @@ UNIT_TEST(one_mesh_keeps_its_arrays) {
         assert_memory_equal(a->indices, b->indices, (size_t)a->triangle_count * 12);
         for (uint32_t v = 0; v < a->vertex_count; ++v) {
             assert_true(
-                same_floats(element(a->positions, 12, v), element(b->positions, b->position_stride, v), 3));
-            assert_true(same_floats(element(a->normals, 12, v), element(b->normals, b->normal_stride, v), 3));
-            const float *own = element(a->uvs, 8, v), flipped[2] = {own[0], 1 - own[1]};
-            assert_true(same_floats(i % 3 ? flipped : own, element(b->uvs, b->uv_stride, v), 2));
+                same_floats(mesh_row(a->positions, 12, v), mesh_row(b->positions, b->position_stride, v), 3));
+            assert_true(
+                same_floats(mesh_row(a->normals, 12, v), mesh_row(b->normals, b->normal_stride, v), 3));
+            const float *own = mesh_row(a->uvs, 8, v), flipped[2] = {own[0], 1 - own[1]};
+            assert_true(same_floats(i % 3 ? flipped : own, mesh_row(b->uvs, b->uv_stride, v), 2));
         }
     }
 }
