@@ -166,7 +166,7 @@ static double nearing(const stage *s, const trace_block *b, int i) {
  * passes the flat one, the rotation of motion_take_apart() is 50 times as fast. */
 static stage squashed_stage(void) {
     stage s = stage_open(32, 32);
-    const fathom_id flat = stage_group(&s), ball = stage_group(&s);
+    const fathom_id flat = new_group(s.scene, NULL), ball = new_group(s.scene, NULL);
     const vec3_f64 axis = {0, 0, 1}, still = {0, 0, 0}, one = {1, 1, 1};
     const affine_f64 squash = map_of(0, axis, still, vec_f64(1, 0.02, 1));
     double times[7], maps[7][12];
