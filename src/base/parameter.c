@@ -147,7 +147,8 @@ static void describe(const fathom_parameter *p, const char *zero, char *out, siz
     case FATHOM_PARAMETER_TEXT: snprintf(out, room, "%s", p->unit); return;
     case FATHOM_PARAMETER_WORDS:
         for (size_t i = 0; i < strlen(p->words); ++i) list[i] = p->words[i] == '|' ? ',' : p->words[i];
-        snprintf(out, room, "names from %s, or all, or none", list);
+        snprintf(out, room, "names from %s, or all%s", list,
+                 p->flags & FATHOM_PARAMETER_OPEN_LOW ? "" : ", or none");
         return;
     case FATHOM_PARAMETER_U32:
     case FATHOM_PARAMETER_U64:
@@ -306,6 +307,7 @@ static bool read_words(const fathom_parameter *p, const char **text, void *base)
         word += length;
         if (!*word) break;
     }
+    if (!in_range(p, bits)) return false;
     parameter_set_number(p, base, 0, bits);
     return true;
 }

@@ -193,9 +193,11 @@ static bool take_families(const args_option *option, const char *value, void *fi
         snprintf(words + length, sizeof words - length, "%s%s", f ? "|" : "",
                  rays_family_name((rays_family)f));
     }
-    const fathom_parameter p = {.type = FATHOM_PARAMETER_WORDS, .words = words, .high = usual.families};
-    return take_parameter(&p, value, field, problem) &&
-           (*(unsigned *)field || args_wrong(problem, "expected a family of rays, found none"));
+    const fathom_parameter p = {.type = FATHOM_PARAMETER_WORDS,
+                                .flags = FATHOM_PARAMETER_OPEN_LOW,
+                                .words = words,
+                                .high = usual.families};
+    return take_parameter(&p, value, field, problem);
 }
 
 static const args_option options[] = {
