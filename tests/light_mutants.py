@@ -41,6 +41,8 @@ MUTANTS = [
      "density * emitters_shares(e, p, n)->of[EMITTER_FINITE]", "density"),
     ("the outside met by a ray forgets the chance to be asked", "light/emitters_outside.c", "four kinds",
      "shares->of[EMITTER_OUTSIDE] * light.density[i]", "light.density[i] + 0 * shares->of[0]"),
+    ("a light met by a ray forgets what the region sees", EMITTERS, "before a wall",
+     "emitters_factors(e, p, n), slot)", "NULL, slot)"),
     ("the outside met by a ray forgets the region", "light/emitters_outside.c", "sun and sky through",
      "shares->of[EMITTER_OUTSIDE] * light.density[i]", "e->shares.of[EMITTER_OUTSIDE] * light.density[i] + 0 * shares->of[0]"),
     ("the sun's samples forget the region", EMITTERS, "sun and sky through", "c->shares[i]->of[part]", "e->shares.of[part]"),

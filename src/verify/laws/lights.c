@@ -144,6 +144,15 @@ static void sphere_cut(law_room *room) {
     floor_under(room, ((cos(angle) * acos(y) - x * q) * area + atan(q / x)) / M_PI);
 }
 
+/* A black wall hides nearly all lamps from the floor. */
+static void sphere_before_wall(law_room *room) {
+    sphere_above(room);
+    paint_quad(&room->b, vec_f64(0, 1.5, 0), vec_f64(4, 0, 0), vec_f64(0, 0, 4), build_black());
+    for (int i = 0; i < 20; ++i)
+        paint_sphere(&room->b, vec_f64(0.25 * (i - 10), 4, 0.5 + 0.25 * (i % 5)), 0.1,
+                     build_emitter(gray(500)));
+}
+
 /* ---- lights without a surface: k_l cos θ, divided by the squared distance ---- */
 
 static void point_over_floor(law_room *room) {
@@ -241,6 +250,7 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"disk, a squeezed sphere", "½(1-(1+H²-R²)/√(Z²-4R²))", disk_squeezed, 0},
                               {"sphere above the horizon", "(R/d)² cos θ", sphere_above, 0},
                               {"sphere of half a surface", "¾ (R/d)² cos θ", sphere_half_there, 0},
+                              {"sphere before a wall", "(R/d)² cos θ", sphere_before_wall, 0},
                               {"sphere cut by the horizon", "configuration factor", sphere_cut, 1.3},
                               {"sphere mostly below the horizon", "configuration factor", sphere_cut, 1.8},
                               {"point light", "k_l cos θ/d²", point_over_floor, 0},
