@@ -307,7 +307,7 @@ static bool read_words(const fathom_parameter *p, const char **text, void *base)
         word += length;
         if (!*word) break;
     }
-    if (!in_range(p, bits)) return false;
+    if (!bits && p->flags & FATHOM_PARAMETER_OPEN_LOW) return false;
     parameter_set_number(p, base, 0, bits);
     return true;
 }
