@@ -1,6 +1,5 @@
-/* What regions of surfaces see of the finite lights: factors of the light tree's weights, which know nothing
- * of visibility. The samples of a few paths tell which fraction of the light of each block of lights arrives.
- */
+/* What regions of surfaces see of the finite lights: factors of the weights in the light tree, which knows no
+ * walls. The samples of a few paths tell which fraction of the light of each block of lights arrives. */
 #include "light/emitters_inner.h"
 
 #include "light/learn.h"
@@ -96,8 +95,7 @@ static bool set_rows(emitters *e, const emitter_lesson *from) {
     return fine;
 }
 
-/* Groups are all lights, and the lights below a slot of the first and second level; the last are the blocks.
- */
+/* Groups are all lights, and those below a slot of the first and second level; the last are the blocks. */
 static void set_groups(const tree *t, uint16_t groups[LEARN_LEVELS][LEARN_BLOCKS]) {
     for (uint32_t block = 0; block < t->rows * TREE_WIDE; ++block) {
         uint32_t chain[MOST_ROWS], depth = 0; /* from the block up to the root */

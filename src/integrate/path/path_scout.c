@@ -17,7 +17,8 @@
 /* The image uses other random numbers, because these paths decide how it samples. */
 #define OTHER_SEED 0x5ce7a5c0u
 /* An eighth of the paths run first, in at most this many squares. The others would gain little if more than a
- * third of their light samples arrive, or if these bring less than an eighth of the light. */
+ * third of their light samples from outside arrive, and more than three quarters of those from several lamps,
+ * or if these bring less than an eighth of the light. */
 #define FIRST_SQUARES (1u << 10)
 #define ROOM (1 / 3.0)
 #define LAMP_ROOM 0.75
@@ -86,9 +87,7 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
     if (!s) atomic_store(&all->fails, true);
 }
 
-/* What light samples of a class found: the fraction that arrived, and the fraction of all light that it
- * brought.
- */
+/* The fraction of a class's light samples that arrived, and its fraction of all light. */
 typedef struct scout_view {
     double seen, light;
 } scout_view;
