@@ -79,8 +79,7 @@ static void check_file(const char *extension) {
     options.triangles = 2000000;
     assert_ok(context, fathom_scene_generate(scene, FATHOM_ROOT, &options));
     assert_ok(context, fathom_scene_write(scene, path));
-    fathom_scene_destroy(scene);
-    assert_ok(context, fathom_scene_read(context, path, &scene));
+    scene = scene_of_file(context, path);
     remove(path);
     const fathom_mesh *mesh = &scene->meshes.items[0];
     size_t floats = (mesh->vertex_count - 1) * mesh->position_stride / 4;

@@ -353,8 +353,7 @@ UNIT_TEST(any_scale_is_framed_alike) {
         assert_ok(context, fathom_scene_complete(scene));
         assert_true(scene->lights.count > 0);
         assert_framed(&p, 1);
-        fathom_scene_destroy(scene);
-        assert_ok(context, fathom_scene_create(context, &scene));
+        scene = new_scene(context);
     }
 }
 
@@ -381,8 +380,7 @@ UNIT_TEST(up_z_is_the_turned_scene) {
     scene->asked = &options;
     assert_ok(context, fathom_scene_complete(scene));
     const fathom_camera z = scene->camera;
-    fathom_scene_destroy(scene);
-    assert_ok(context, fathom_scene_create(context, &scene));
+    scene = new_scene(context);
     /* (x, y, z) with z up is (x, z, -y) with y up. */
     const affine_f64 turn = {{{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}}};
     fathom_id group = add_group();
