@@ -59,11 +59,13 @@ static void count_items(void *user, size_t begin, size_t end, unsigned worker) {
 }
 
 static void check_loop(bool nested) {
-    tally *t = unit_memory(sizeof *t);
+    tally *t = calloc(1, sizeof *t);
+    assert_non_null(t);
     t->nested = nested;
     loop_workers(4, ITEMS, 7, count_items, t);
     for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], 1);
     assert_int_equal(t->inner, nested ? 10 * ((ITEMS + 6) / 7) : 0);
+    free(t);
 }
 
 /* The first of all: no thread waits in the pool yet. */
@@ -115,10 +117,11 @@ UNIT_TEST(loops_of_odd_sizes_run) {
     } cases[] = {{3, 0, 1},    {3, 5, 0}, {0, 5, 1}, {5000, ITEMS, 200}, {2, ITEMS, SIZE_MAX / 4},
                  {1, ITEMS, 1}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        tally *t = unit_memory(sizeof *t);
+        tally *t = calloc(1, sizeof *t);
         assert_non_null(t);
         loop_workers(cases[k].threads, cases[k].count, cases[k].grain, count_any, t);
         for (size_t i = 0; i < ITEMS; ++i) assert_int_equal(t->seen[i], i < cases[k].count);
+        free(t);
     }
 }
 
