@@ -18,7 +18,7 @@ typedef struct emitter_run {
     bool paired;                 /* each emitter is two triangles. See emitters_pairs.c */
 } emitter_run;
 
-/* What regions of surfaces see of the finite lights; see emitters_seen.c. */
+/* Regions of surfaces, and the factors that tell what they see of the finite lights: emitters_seen.c. */
 typedef struct emitter_seen {
     region_split *splits;
     uint32_t root; /* as region_split.below; leaves: 0: no factors; k: the k-th table */

@@ -1,5 +1,5 @@
-/* What regions of surfaces see of the finite lights: factors of the weights in the light tree, which knows no
- * walls. The samples of a few paths tell which fraction of the light of each block of lights arrives. */
+/* The light tree knows no walls. The samples of a few paths tell which fraction of the light of each block of
+ * lights arrives in a region of surfaces; factors of the tree's weights follow from that. */
 #include "light/emitters_inner.h"
 
 #include "light/learn.h"

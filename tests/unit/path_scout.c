@@ -1,14 +1,12 @@
 /* A room that a sky lights through a window: paths before the image tell its light samples where
  * the window is. */
 #include "image/image.h"
-#include "integrate/plan.h"
 #include "math/lane.h"
+#include "plans.h"
 #include "random.h"
-#include "render.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
 #include "verify/laws/laws.h"
-#include "worlds.h"
 
 enum { WIDTH = 64, HEIGHT = 32 };
 
@@ -130,27 +128,12 @@ static void expect_window(const render_plan *plan, double least) {
     if (out < least * all) fail_msg("%d of %d", out, all);
 }
 
-/* Plans an image of the room, looks at the plan, and releases both. */
-static void with_plan(room_parts with, double expected, void (*look)(const render_plan *, double)) {
-    stage s = room(with);
-    const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
-    trace_tracer *tracer;
-    render_plan *plan;
-    s.settings.width = s.settings.height = 256, s.settings.spp = 64;
-    world *w = new_world(s.scene);
-    assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
-    assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, NULL, &plan));
-    look(plan, expected);
-    plan_destroy(plan);
-    trace_destroy(tracer);
-}
-
 UNIT_TEST(light_samples_leave_by_the_window) {
-    with_plan((room_parts){false, false, 0, 0}, 0.3, expect_window);
-    with_plan((room_parts){false, true, 0, 0}, 0.3, expect_window);
-    with_plan((room_parts){false, false, 5, 0}, 0.25, expect_window);
-    with_plan((room_parts){true, true, 0, 0}, 0.3, expect_window);
-    with_plan((room_parts){true, false, 0, 0}, 0.3, expect_window);
+    look_at_plan(room((room_parts){false, false, 0, 0}), 0.3, expect_window);
+    look_at_plan(room((room_parts){false, true, 0, 0}), 0.3, expect_window);
+    look_at_plan(room((room_parts){false, false, 5, 0}), 0.25, expect_window);
+    look_at_plan(room((room_parts){true, true, 0, 0}), 0.3, expect_window);
+    look_at_plan(room((room_parts){true, false, 0, 0}), 0.3, expect_window);
 }
 
 /* The fraction of light samples that go to the sun. */
@@ -175,7 +158,7 @@ static void expect_sun(const render_plan *plan, double least) {
 }
 
 UNIT_TEST(light_samples_go_to_the_sun_where_it_shines) {
-    with_plan((room_parts){true, false, 0, 20}, 0.5, expect_sun);
+    look_at_plan(room((room_parts){true, false, 0, 20}), 0.5, expect_sun);
 }
 
 /* Paths before the image are the same for all of them. */

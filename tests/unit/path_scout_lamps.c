@@ -1,13 +1,11 @@
 /* Two rooms without a door between them: paths before the image tell the light samples of each room which
  * lamps it has. */
-#include "integrate/plan.h"
 #include "light/emitters_inner.h"
 #include "math/lane.h"
+#include "plans.h"
 #include "random.h"
-#include "render.h"
 #include "scene/scene.h"
 #include "verify/laws/laws.h"
-#include "worlds.h"
 
 /* Lamps of a room: one node of the light tree, or several. */
 enum { FEW = 3, MANY = 24 };
@@ -66,7 +64,7 @@ static void add_chances(const emitters *e, random_state *r, double *all, double 
 
 /* Without learning, the other room's lamps would get most of the samples. The sums of chances are off by the
  * roundings of the floats that they are computed from, fewer than 100. */
-static void expect_own_lamps(const render_plan *plan, uint32_t rows) {
+static void expect_own_lamps(const render_plan *plan, double rows) {
     const emitters *e = plan->emitters;
     random_state r = {1};
     double mean = 0;
@@ -81,31 +79,18 @@ static void expect_own_lamps(const render_plan *plan, uint32_t rows) {
     if (mean < 0.7) fail_msg("%g", mean);
 }
 
-static void with_plan(stage s, void (*look)(const render_plan *, uint32_t), uint32_t rows) {
-    const trace_options options = {.timed = true, .threads = 2, .expected_rays = 1000000};
-    trace_tracer *tracer;
-    render_plan *plan;
-    s.settings.width = s.settings.height = 256, s.settings.spp = 64;
-    world *w = new_world(s.scene);
-    assert_ok(s.context, trace_create(s.context, w, &options, &tracer));
-    assert_ok(s.context, plan_create(s.context, w, tracer, &s.settings, NULL, NULL, &plan));
-    look(plan, rows);
-    plan_destroy(plan);
-    trace_destroy(tracer);
-}
-
 UNIT_TEST(light_samples_stay_in_the_room) {
-    with_plan(rooms(FEW, 1, 20), expect_own_lamps, 1);
-    with_plan(rooms(MANY, 1, 20), expect_own_lamps, 2);
+    look_at_plan(rooms(FEW, 1, 20), 1, expect_own_lamps);
+    look_at_plan(rooms(MANY, 1, 20), 2, expect_own_lamps);
 }
 
-static void expect_nothing(const render_plan *plan, uint32_t rows) {
+static void expect_nothing(const render_plan *plan, double rows) {
     (void)rows;
     assert_null(plan->emitters->seen.tables);
 }
 
 /* The other room has hardly any light. */
-UNIT_TEST(lamps_in_view_need_no_factors) { with_plan(rooms(MANY, 20, 1e-3f), expect_nothing, 0); }
+UNIT_TEST(lamps_in_view_need_no_factors) { look_at_plan(rooms(MANY, 20, 1e-3f), 0, expect_nothing); }
 
 UNIT_TEST(threads_change_no_bit_of_rooms) {
     stage s = rooms(MANY, 1, 20);
