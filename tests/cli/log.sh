@@ -7,7 +7,7 @@ write_scene
 lines_are_objects() {
     [ -s err.txt ] || die 'nothing on stderr'
     grep -vE '^\{"time": [0-9]+\.[0-9]{3}, "level": "(info|warning|error)", "message": ".*\}$' err.txt && die 'no object'
-    python3 -m json.tool --json-lines err.txt >/dev/null || die 'not JSON'
+    python3 -c 'import json, sys; [json.loads(line) for line in sys.stdin]' <err.txt || die 'not JSON'
 }
 fails() { # code, text, arguments
     wanted=$1
