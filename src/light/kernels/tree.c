@@ -5,6 +5,8 @@
 
 /* Nodes less unsure than this fraction of the total are not replaced by their children. */
 #define LITTLE 0.005f
+/* The fraction of the bound in a cosine. */
+#define BOUND 0.125f
 
 static inline float positive(float x) { return x > 0 ? x : 0; }
 
@@ -14,14 +16,13 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
     return cos_a >= cos_b ? 1 : less;
 }
 
-/* Power times the cosines at both ends, divided by a squared distance. Each cosine is the mean of the cosine
- * of the box's centre and of an upper bound: the height of the highest corner, above the surface or the
- * lights' own plane, divided by the distance of the nearest point. So a flat field of lights sends little
- * along itself, however large it is, and lights that can reach the point keep a probability above 0.
- * Distances are at least half of the half diagonal, because a large light sends a bounded amount to a point
- * near it. One of many lights may be very near, so the squared distance of a node is the product of the
- * distances of the centre and of the nearest point. A beam sends light if its bound may reach the point, and
- * twice as much if its centre does. leaf: 1 for a single light, 0 for a node. */
+/* Power times the cosines at both ends, divided by a squared distance. A cosine is mostly that of the box's
+ * centre. An eighth of an upper bound keeps a probability above 0 for all lights that can reach the point:
+ * the height of the highest corner, above the surface or the lights' own plane, divided by the distance of
+ * the nearest point. Distances are at least half of the half diagonal, because a large light sends a bounded
+ * amount to a point near it. One of many lights may be very near, so the squared distance of a node is the
+ * product of the distances of the centre and of the nearest point. A beam sends light if its bound may reach
+ * the point, and twice as much if its centre does. leaf: 1 for a single light, 0 for a node. */
 static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 n, float leaf,
                              float *restrict unsure) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
@@ -37,16 +38,18 @@ static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 
     float along = hx * fabsf(ax) + hy * fabsf(ay) + hz * fabsf(az);
     float above = arriving + hx * fabsf(n.x) + hy * fabsf(n.y) + hz * fabsf(n.z);
     float middle = 1 / sqrtf(square + 0x1p-120f);
-    float off = 0.5f * (least(1, (leaving + along) * inverse) + leaving * middle);
-    float met = 0.5f * (least(1, positive(above * inverse)) + positive(arriving * middle));
-    met = one_sided > 0 ? met : 1;
+    float most_off = least(1, (leaving + along) * inverse), most_met = least(1, positive(above * inverse));
+    float off = BOUND * most_off + (1 - BOUND) * leaving * middle;
+    float met = BOUND * most_met + (1 - BOUND) * positive(arriving * middle);
+    met = one_sided > 0 ? met : 1, most_met = one_sided > 0 ? most_met : 1;
     float sent = cos_less(off, spread, sqrtf(positive(1 - spread * spread)));
     float lit = ((ahead + along) * inverse >= -spread ? 0.5f : 0) + (ahead * middle >= -spread ? 0.5f : 0);
     sent = spread < 0 ? lit : sent;
+    float most_sent = spread < 0 || sent > most_off ? sent : most_off;
     float within = 0.25f * r2, far = square > within ? square : within;
     far = leaf > 0 ? far : sqrtf(far) * sqrtf(nearest + r2 / 64); /* the product may overflow */
     const float near = least(inverse * inverse, 0x1p96f);         /* a power is below 2^28 */
-    *unsure = leaf > 0 ? 0 : node->power[i] * sent * met * near * least(1, r2 * near);
+    *unsure = leaf > 0 ? 0 : node->power[i] * most_sent * most_met * near * least(1, r2 * near);
     return node->power[i] * sent * met / (far + 0x1p-120f);
 }
 
@@ -63,54 +66,84 @@ static inline float sum_of(const float value[TREE_WIDE]) {
     return sum;
 }
 
+/* The point and the normal of a light sample, and its factors. */
+typedef struct query {
+    vec3_f32 p, n;
+    tree_factors factors;
+} query;
+
 /* The nodes that a cut opens, how unsure their children are, and the factors of these. */
 typedef struct opening {
     float unsure[1 + TREE_NEAR][TREE_WIDE], most[1 + TREE_NEAR], factor[1 + TREE_NEAR][TREE_WIDE];
-    float sum; /* sum of all weights */
+    float sum;      /* sum of all weights */
+    uint32_t level; /* the first node of the lowest level */
 } opening;
 
 /* Weighs the children of node k of the cut; inherited: the node's own factor. */
-static inline void weigh_node(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, float inherited,
-                              uint32_t k, opening *o, tree_cut *out) {
-    weigh(&t->nodes[out->node[k]], p, n, out->weight[k], o->unsure[k]);
-    if (!factors) return;
+static inline void weigh_node(const tree *t, const query *q, float inherited, uint32_t k, opening *o,
+                              tree_cut *out) {
+    weigh(&t->nodes[out->node[k]], q->p, q->n, out->weight[k], o->unsure[k]);
+    if (!q->factors) return;
     const uint32_t row = t->row_of[out->node[k]];
     for (int i = 0; i < TREE_WIDE; ++i) {
-        const float factor = row == FATHOM_NONE ? inherited : factors[row * TREE_WIDE + (uint32_t)i];
+        const float factor = row == FATHOM_NONE ? inherited : q->factors[row * TREE_WIDE + (uint32_t)i];
         o->factor[k][i] = factor, out->weight[k][i] *= factor, o->unsure[k][i] *= factor;
     }
 }
 
+static inline void begin_cut(const tree *t, const query *q, opening *o, tree_cut *out) {
+    out->node[0] = out->next[0] = 0, out->count = 1;
+    weigh_node(t, q, 1, 0, o, out);
+    o->sum = sum_of(out->weight[0]), o->level = 0;
+}
+
 /* Opens a child of node k. In the order, it comes after node k and all nodes that were more unsure. */
-static inline void open_child(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, uint32_t k,
-                              int child, opening *o, tree_cut *out) {
+static inline void open_child(const tree *t, const query *q, uint32_t k, int child, opening *o,
+                              tree_cut *out) {
     const uint32_t last = out->count++;
     uint32_t before = k;
     o->most[last] = o->unsure[k][child];
     while (out->next[before] && o->most[out->next[before]] >= o->most[last]) before = out->next[before];
     out->next[last] = out->next[before], out->next[before] = last;
     out->node[last] = t->nodes[out->node[k]].child[child];
-    weigh_node(t, p, n, factors, factors ? o->factor[k][child] : 1, last, o, out);
+    weigh_node(t, q, q->factors ? o->factor[k][child] : 1, last, o, out);
     o->sum += sum_of(out->weight[last]) - out->weight[k][child];
     out->weight[k][child] = 0;
 }
 
-/* Level by level: nodes of one level do not depend on each other, so the processor works on several at
- * once. */
-static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, tree_cut *out) {
-    opening o;
-    out->node[0] = out->next[0] = 0, out->count = 1;
-    weigh_node(t, p, n, factors, 1, 0, &o, out);
-    o.sum = sum_of(out->weight[0]);
-    for (uint32_t first = 0, end = 1; first < end; first = end, end = out->count) {
-        const float little = LITTLE * positive(o.sum); /* rounding may make the sum negative */
-        for (uint32_t k = first; k < end; ++k) {
-            uint32_t open = 0;
-            for (int i = 0; i < TREE_WIDE; ++i) open |= (o.unsure[k][i] > little ? 1u : 0u) << i;
-            for (; open && out->count <= TREE_NEAR; open &= open - 1)
-                open_child(t, p, n, factors, k, __builtin_ctz(open), &o, out);
+/* Opens children of the lowest level. False: none. */
+static inline bool open_level(const tree *t, const query *q, opening *o, tree_cut *out) {
+    const float little = LITTLE * positive(o->sum); /* rounding may make the sum negative */
+    const uint32_t end = out->count;
+    for (uint32_t k = o->level; k < end; ++k) {
+        uint32_t open = 0;
+        for (int i = 0; i < TREE_WIDE; ++i) open |= (o->unsure[k][i] > little ? 1u : 0u) << i;
+        for (; open && out->count <= TREE_NEAR; open &= open - 1)
+            open_child(t, q, k, __builtin_ctz(open), o, out);
+    }
+    o->level = end;
+    return end < out->count;
+}
+
+/* Cuts for up to TOGETHER points, level by level: the processor weighs nodes of other points while it waits
+ * for those of one. */
+enum { TOGETHER = 4 };
+
+static void cut_each(const tree *t, const query *queries, unsigned count, tree_cut *out) {
+    opening o[TOGETHER];
+    unsigned on = 0;
+    for (unsigned i = 0; i < count; ++i) begin_cut(t, &queries[i], &o[i], &out[i]), on |= 1u << i;
+    while (on) {
+        for (unsigned left = on; left; left &= left - 1) {
+            const unsigned i = (unsigned)__builtin_ctz(left);
+            if (!open_level(t, &queries[i], &o[i], &out[i])) on &= ~(1u << i);
         }
     }
+}
+
+static void cut(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, tree_cut *out) {
+    const query q = {p, n, factors};
+    cut_each(t, &q, 1, out);
 }
 
 /* The child at u times the sum of weights: the first child whose prefix sum exceeds that value, so its weight
@@ -162,20 +195,33 @@ static inline bool walk(const tree_node *node, const float weight[TREE_WIDE], do
     return !(*light & TREE_LEAF);
 }
 
+static query query_of(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors, int i) {
+    return (query){.p = {t->scale * p[0][i], t->scale * p[1][i], t->scale * p[2][i]},
+                   .n = {n[0][i], n[1][i], n[2][i]},
+                   .factors = factors ? factors[i] : NULL};
+}
+
 /* The first step of each lane's traversal; returns the lanes that continue. */
 static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
                            unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     unsigned on = 0;
-    tree_cut c;
-    for (; lanes; lanes &= lanes - 1) {
-        const int i = __builtin_ctz(lanes);
-        const vec3_f32 at = {t->scale * p[0][i], t->scale * p[1][i], t->scale * p[2][i]};
-        cut(t, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, factors ? factors[i] : NULL, &c);
-        const int k = pick_node(&c, &u[i], &chance[i]);
-        if (k < 0)
-            chance[i] = 0;
-        else if (walk(&t->nodes[c.node[k]], c.weight[k], &u[i], &light[i], &chance[i]))
-            on |= 1u << i;
+    while (lanes) {
+        int lane[TOGETHER];
+        unsigned count = 0;
+        query queries[TOGETHER];
+        tree_cut cuts[TOGETHER];
+        for (; lanes && count < TOGETHER; lanes &= lanes - 1) {
+            lane[count] = __builtin_ctz(lanes);
+            queries[count] = query_of(t, p, n, factors, lane[count]), ++count;
+        }
+        cut_each(t, queries, count, cuts);
+        for (unsigned j = 0; j < count; ++j) {
+            const int i = lane[j], k = pick_node(&cuts[j], &u[i], &chance[i]);
+            if (k < 0)
+                chance[i] = 0;
+            else if (walk(&t->nodes[cuts[j].node[k]], cuts[j].weight[k], &u[i], &light[i], &chance[i]))
+                on |= 1u << i;
+        }
     }
     return on;
 }
