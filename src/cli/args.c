@@ -16,12 +16,6 @@ bool args_wrong(args_problem *problem, const char *format, ...) {
     return false;
 }
 
-/* Prefixes the reader's message with the option as it was typed. */
-static bool wrong_at(args_problem *problem, const char *option, size_t length) {
-    args_problem inner = *problem;
-    return args_wrong(problem, "%.*s: %.460s", (int)length, option, inner.text);
-}
-
 const char *args_nearest(const char *wanted, const char *const *names, size_t count) {
     text_search search = text_search_begin(wanted);
     for (size_t i = 0; i < count; ++i) {
@@ -53,11 +47,6 @@ static bool unknown_option(parser *p, const char *name, size_t length) {
     return args_wrong(p->problem, "unknown option --%s", wanted);
 }
 
-static bool apply(parser *p, const args_option *option, const char *value, const char *typed, size_t length) {
-    if (option->take(option, value, p->settings + option->offset, p->problem)) return true;
-    return wrong_at(p->problem, typed, length);
-}
-
 /* Takes the value from the next argument. If that looks like an option, the value was probably forgotten;
  * --name=value accepts any value. */
 static bool next_value(parser *p, const args_option *option, const char *typed, const char **value) {
@@ -69,6 +58,15 @@ static bool next_value(parser *p, const args_option *option, const char *typed, 
     return true;
 }
 
+/* value: NULL if it is not part of `typed`. length: of the option's name in `typed`, which begins messages.
+ */
+static bool apply(parser *p, const args_option *option, const char *value, const char *typed, size_t length) {
+    if (option->value && !value && !next_value(p, option, typed, &value)) return false;
+    if (option->take(option, value, p->settings + option->offset, p->problem)) return true;
+    const args_problem inner = *p->problem;
+    return args_wrong(p->problem, "%.*s: %.460s", (int)length, typed, inner.text);
+}
+
 static bool parse_long(parser *p, const char *typed) {
     const char *name = typed + 2, *equals = strchr(name, '=');
     size_t length = equals ? (size_t)(equals - name) : strlen(name);
@@ -77,7 +75,6 @@ static bool parse_long(parser *p, const char *typed) {
             continue;
         const char *value = equals ? equals + 1 : NULL;
         if (!option->value && value) return args_wrong(p->problem, "--%s takes no value", option->name);
-        if (option->value && !value && !next_value(p, option, typed, &value)) return false;
         return apply(p, option, value, typed, length + 2);
     }
     return unknown_option(p, name, length);
@@ -89,8 +86,6 @@ static bool parse_short(parser *p, const char *typed) {
         const char *value = typed[2] ? typed + 2 : NULL;
         if (!option->value && value)
             return args_wrong(p->problem, "unknown option %s; -%c takes no value", typed, option->letter);
-        const char short_name[] = {'-', option->letter, '\0'};
-        if (option->value && !value && !next_value(p, option, short_name, &value)) return false;
         return apply(p, option, value, typed, 2);
     }
     return args_wrong(p->problem, "unknown option %.40s", typed);

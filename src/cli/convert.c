@@ -1,4 +1,5 @@
 #include "cli/command.h"
+#include "cli/fail.h"
 #include "cli/outputs.h"
 
 #include "base/clock.h"
@@ -15,19 +16,16 @@ typedef struct convert_settings {
     const char *input, *output;
 } convert_settings;
 
-static bool check(const convert_settings *settings, args_problem *problem) {
-    return file_ends_in(settings->output, "glb|json|obj|ply") ||
-           args_wrong(problem,
-                      "OUT: expected a name that ends in .glb, .json, .obj or .ply, found \"%.200s\"",
-                      settings->output);
-}
-
 /* An .obj has its materials next to it, in an .mtl. */
-static fathom_status check_files(fathom_context *context, const convert_settings *settings) {
+static fathom_status check(fathom_context *context, const convert_settings *settings) {
     const char *output = settings->output;
     char library[PATH_MAX];
     const char *const written[2] = {output, library};
     const bool two = file_ends_in(output, "obj");
+    if (!file_ends_in(output, "glb|json|obj|ply"))
+        return cli_fail(context, FATHOM_BAD_USAGE,
+                        "OUT: expected a name that ends in .glb, .json, .obj or .ply, found \"%.200s\"",
+                        output);
     snprintf(library, sizeof library, "%.*s.mtl", (int)file_stem_length(output), output);
     const fathom_status status = outputs_check_distinct(context, written, two ? 2 : 1, settings->input);
     return status == FATHOM_OK ? fathom_file_check(context, output) : status;
@@ -38,9 +36,7 @@ static fathom_status convert(fathom_context *context, void *user) {
     const fathom_read_options options = command_read_options(&settings->model);
     const double start = clock_seconds();
     fathom_scene *scene = NULL;
-    args_problem problem;
-    if (!check(settings, &problem)) return say_usage(&command_convert, problem.text);
-    fathom_status status = check_files(context, settings);
+    fathom_status status = check(context, settings);
     if (status == FATHOM_OK) status = fathom_scene_read_with(context, settings->input, &options, &scene);
     if (status == FATHOM_OK) status = fathom_scene_write(scene, settings->output);
     fathom_scene_destroy(scene);

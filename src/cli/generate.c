@@ -1,4 +1,5 @@
 #include "cli/command.h"
+#include "cli/fail.h"
 
 #include "base/clock.h"
 #include "base/file_name.h"
@@ -18,24 +19,28 @@ typedef struct generate_settings {
 static const char *const kinds[] = {"sphere", "terrain", "sponge", "forest"};
 #define KIND_COUNT (sizeof kinds / sizeof *kinds)
 
-static bool find_kind(const char *name, fathom_generator *out, args_problem *problem) {
+static fathom_status find_kind(fathom_context *context, const char *name, fathom_generator *out) {
     for (size_t i = 0; i < KIND_COUNT; ++i) {
         if (strcmp(name, kinds[i]) != 0) continue;
         *out = (fathom_generator)i;
-        return true;
+        return FATHOM_OK;
     }
     const char *nearest = args_nearest(name, kinds, KIND_COUNT);
-    return args_wrong(problem, "KIND: expected sphere, terrain, sponge or forest, found \"%.60s\"%s%s%s",
-                      name, nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "");
+    return cli_fail(context, FATHOM_BAD_USAGE,
+                    "KIND: expected sphere, terrain, sponge or forest, found \"%.60s\"%s%s%s", name,
+                    nearest ? "; did you mean " : "", nearest ? nearest : "", nearest ? "?" : "");
 }
 
-static bool check(const generate_settings *settings, fathom_generator *kind, args_problem *problem) {
-    if (!find_kind(settings->kind, kind, problem)) return false;
-    if (!settings->triangles) return args_wrong(problem, "--triangles N is missing");
-    if (!settings->output) return args_wrong(problem, "-o FILE is missing");
-    if (file_ends_in(settings->output, "glb|ply|obj")) return true;
-    return args_wrong(problem, "-o: expected a name that ends in .glb, .ply or .obj, found \"%.200s\"",
-                      settings->output);
+static fathom_status check(fathom_context *context, const generate_settings *settings,
+                           fathom_generator *kind) {
+    const fathom_status status = find_kind(context, settings->kind, kind);
+    if (status != FATHOM_OK) return status;
+    if (!settings->triangles) return cli_fail(context, FATHOM_BAD_USAGE, "--triangles N is missing");
+    if (!settings->output) return cli_fail(context, FATHOM_BAD_USAGE, "-o FILE is missing");
+    if (file_ends_in(settings->output, "glb|ply|obj")) return fathom_file_check(context, settings->output);
+    return cli_fail(context, FATHOM_BAD_USAGE,
+                    "-o: expected a name that ends in .glb, .ply or .obj, found \"%.200s\"",
+                    settings->output);
 }
 
 static fathom_status generate(const generate_settings *settings, fathom_generator kind, fathom_scene *scene) {
@@ -66,9 +71,7 @@ static fathom_status check_and_generate(fathom_context *context, void *user) {
     const generate_settings *settings = user;
     fathom_generator kind = FATHOM_GENERATE_SPHERE;
     fathom_scene *scene = NULL;
-    args_problem problem;
-    if (!check(settings, &kind, &problem)) return say_usage(&command_generate, problem.text);
-    fathom_status status = fathom_file_check(context, settings->output);
+    fathom_status status = check(context, settings, &kind);
     if (status == FATHOM_OK) status = fathom_scene_create(context, &scene);
     if (status == FATHOM_OK) status = generate(settings, kind, scene);
     fathom_scene_destroy(scene);

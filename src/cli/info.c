@@ -137,46 +137,32 @@ static void print_pair(const char *title, const json_t *first, const char *betwe
     putchar('\n');
 }
 
-/* "1 mesh", "2 meshes". */
-static void print_count(const json_t *root, const char *path, const char *what, const char *plural) {
-    const double count = json_number_at(root, path);
-    printf("%.0f %s%s", count, what, count == 1 ? "" : plural);
-}
-
-static void print_emissive(const json_t *root, const char *path, const char *what) {
-    if (!(json_number_at(root, path) > 0)) return;
-    fputs(", ", stdout);
-    print_count(root, path, what, "s");
+static void print_contents(const json_t *root) {
+    fputs("scene     ", stdout);
+    print_name(stdout, json_text_at(root, "scene"));
+    json_print(root, "\ntriangles {counts.triangles:.0f} in {counts.meshes:.0f} mesh{counts.meshes:+es}");
+    if (json_number_at(root, "counts.placedTriangles") != json_number_at(root, "counts.triangles"))
+        json_print(root, "; {counts.placedTriangles:.0f} with instances");
+    fputs("\nshapes    ", stdout);
+    if (json_number_at(root, "counts.points") > 0)
+        json_print(root, "{counts.points:.0f} point{counts.points:+s} in {counts.clouds:.0f} "
+                         "cloud{counts.clouds:+s}, ");
+    json_print(root, "{counts.spheres:.0f} sphere{counts.spheres:+s}, {counts.quads:.0f} "
+                     "quad{counts.quads:+s}, {counts.planes:.0f} plane{counts.planes:+s}\n"
+                     "instances {counts.instances:.0f} of {counts.groups:.0f} group{counts.groups:+s}\n"
+                     "lights    {lights.point:.0f} point, {lights.directional:.0f} directional, "
+                     "{lights.spot:.0f} spot, {lights.environment:.0f} environment");
+    if (json_number_at(root, "lights.emissiveTriangles") > 0)
+        json_print(root, ", {lights.emissiveTriangles:.0f} emissive triangle{lights.emissiveTriangles:+s}");
+    if (json_number_at(root, "lights.emissiveShapes") > 0)
+        json_print(root, ", {lights.emissiveShapes:.0f} emissive shape{lights.emissiveShapes:+s}");
+    json_print(root, "\nmaterials {counts.materials:.0f}\n");
 }
 
 static void print_facts(const json_t *root) {
     size_t i;
     json_t *item;
-    fputs("scene     ", stdout);
-    print_name(stdout, json_text_at(root, "scene"));
-    json_print(root, "\ntriangles {counts.triangles:.0f} in ");
-    print_count(root, "counts.meshes", "mesh", "es");
-    if (json_number_at(root, "counts.placedTriangles") != json_number_at(root, "counts.triangles"))
-        json_print(root, "; {counts.placedTriangles:.0f} with instances");
-    fputs("\nshapes    ", stdout);
-    if (json_number_at(root, "counts.points") > 0) {
-        print_count(root, "counts.points", "point", "s");
-        fputs(" in ", stdout);
-        print_count(root, "counts.clouds", "cloud", "s");
-        fputs(", ", stdout);
-    }
-    print_count(root, "counts.spheres", "sphere", "s");
-    fputs(", ", stdout);
-    print_count(root, "counts.quads", "quad", "s");
-    fputs(", ", stdout);
-    print_count(root, "counts.planes", "plane", "s");
-    json_print(root, "\ninstances {counts.instances:.0f} of ");
-    print_count(root, "counts.groups", "group", "s");
-    json_print(root, "\nlights    {lights.point:.0f} point, {lights.directional:.0f} directional, "
-                     "{lights.spot:.0f} spot, {lights.environment:.0f} environment");
-    print_emissive(root, "lights.emissiveTriangles", "emissive triangle");
-    print_emissive(root, "lights.emissiveShapes", "emissive shape");
-    json_print(root, "\nmaterials {counts.materials:.0f}\n");
+    print_contents(root);
     if (json_is_object(json_at(root, "bounds")))
         print_pair("bounds    ", json_at(root, "bounds.lower"), " to ", json_at(root, "bounds.upper"), 9);
     print_pair("camera    at ", json_at(root, "camera.origin"), " looking along ",
@@ -202,8 +188,6 @@ static void print_facts(const json_t *root) {
     printf("problems  %s\n", json_array_size(item) ? "" : "none");
     for (i = 0; i < json_array_size(item); ++i) printf("  %s\n", json_string_value(json_array_get(item, i)));
 }
-
-/* ---- the command ---- */
 
 static fathom_status print_json(fathom_context *context, const json_t *root) {
     char *bytes = json_dump_text(root, 0);

@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- values ---- */
-
 json_t *json_text(const char *string) {
     if (!string) return json_null();
     json_t *value = json_string(string);
@@ -37,8 +35,6 @@ json_t *json_add_members(json_t *object, const json_member *members, size_t coun
     return object;
 }
 
-/* ---- looking up ---- */
-
 const json_t *json_at(const json_t *object, const char *path) {
     for (;;) {
         char key[64];
@@ -62,11 +58,13 @@ const char *json_text_at(const json_t *object, const char *path) {
     return text ? text : "";
 }
 
-/* ---- printing ---- */
-
-/* format: "-8s", "9.4g", ".1f%". */
+/* format: "-8s", "9.4g", ".1f%", "+es". */
 static void print_value(const json_t *value, const char *format) {
     char *kind;
+    if (*format == '+') {
+        if (json_number_value(value) != 1) fputs(format + 1, stdout);
+        return;
+    }
     const int width = (int)strtol(format, &kind, 10);
     const int digits = *kind == '.' ? (int)strtol(kind + 1, &kind, 10) : 0;
     double x = json_number_value(value);
@@ -93,8 +91,6 @@ void json_print(const json_t *object, const char *form) {
         }
     }
 }
-
-/* ---- writing ---- */
 
 char *json_dump_text(const json_t *root, unsigned digits) {
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(digits)) : NULL;

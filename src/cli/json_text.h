@@ -60,7 +60,8 @@ const char *json_text_at(const json_t *object, const char *path);
 /* ---- printing ---- */
 
 /* Prints `form`, in which "{path:9.4g}" stands for a number of the object and "{path:-8s}" for a text; "-" if
- * it is missing. Formats that end in M divide by a million; those that end in % multiply by 100. */
+ * it is missing. Formats that end in M divide by a million; those that end in % multiply by 100. "{path:+es}"
+ * is the ending "es", unless the number is 1. */
 void json_print(const json_t *object, const char *form);
 
 /* ---- writing ---- */

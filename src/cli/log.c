@@ -13,8 +13,6 @@ static bool json;
 
 bool log_is_json(void) { return json; }
 
-/* ---- the option ---- */
-
 static bool take_format(const char *value, args_problem *problem) {
     json = value && strcmp(value, "json") == 0;
     if (json || (value && strcmp(value, "text") == 0)) return true;

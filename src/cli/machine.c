@@ -38,6 +38,10 @@ static json_t *machine_json(void) {
                    JSON("compiler", build.compiler), JSON("flags", FATHOM_FLAGS));
 }
 
+bool machine_embree(const char *tracer, char version[64], char isa[64]) {
+    return sscanf(tracer, "Embree %63[^,], %63[^\n]", version, isa) == 2;
+}
+
 const char *machine_commit(void) { return *fathom_commit() ? fathom_commit() : NULL; }
 
 json_t *machine_head(void) {

@@ -15,8 +15,6 @@ void provenance_note(int argc, char **argv) {
     arguments = argv;
 }
 
-/* ---- for headers ---- */
-
 /* Longer command lines end in "...". */
 #define LENGTH 4096
 
@@ -82,8 +80,6 @@ const char *provenance_command(void) {
     if (t.length < sizeof t.text - 4) t.text[t.length] = '\0';
     return t.text;
 }
-
-/* ---- for statistics ---- */
 
 json_t *provenance_arguments(void) {
     json_t *array = json_array();

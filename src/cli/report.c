@@ -16,9 +16,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* The page and its results. */
-#define REPORT_FILES 2
-
 /* Marks a page as ours: html_page.py writes it at the beginning. */
 #define GENERATOR "<meta name=\"generator\" content=\"fathom"
 
@@ -123,8 +120,8 @@ static fathom_status check_report(fathom_context *context, const char *folder) {
 
 fathom_status report_check_files(fathom_context *context, const char *const files[2], const char *report,
                                  const char *input) {
-    char pages[REPORT_FILES][PATH_MAX];
-    const char *paths[2 + REPORT_FILES];
+    char page[PATH_MAX], results[PATH_MAX];
+    const char *paths[4];
     size_t found = 0;
     fathom_status status = standard_output_begin(context, &(args_list){.count = 0}, files, 2);
     for (size_t i = 0; i < 2; ++i)
@@ -132,12 +129,9 @@ fathom_status report_check_files(fathom_context *context, const char *const file
     for (size_t i = 0; i < found && status == FATHOM_OK; ++i) status = fathom_file_check(context, paths[i]);
     if (status == FATHOM_OK && report) status = check_report(context, report);
     if (status != FATHOM_OK) return status;
-    if (report) report_paths(report, pages[0], pages[1]);
-    for (int i = 0; report && i < REPORT_FILES; ++i) paths[found++] = pages[i];
+    if (report) report_paths(report, page, results), paths[found++] = page, paths[found++] = results;
     return outputs_check_distinct(context, paths, found, input);
 }
-
-/* ---- writing ---- */
 
 fathom_status report_write(fathom_context *context, const char *folder, const json_t *results) {
     char script[PATH_MAX], page[PATH_MAX], data[PATH_MAX];

@@ -157,8 +157,7 @@ static struct {
 static void progress_start(bool quiet) {
     state.began = 0;
     state.estimated = false;
-    progress_begin(quiet);
-    progress_call("measure");
+    progress_begin(quiet, "measure");
     progress_phase(FATHOM_PHASE_READ);
 }
 
@@ -234,8 +233,6 @@ fathom_status bench_sphere(fathom_context *context, uint64_t triangles, fathom_s
     fathom_status status = fathom_scene_create(context, out);
     return status == FATHOM_OK ? fathom_scene_generate(*out, FATHOM_ROOT, &options) : status;
 }
-
-/* ---- the command ---- */
 
 const command *const benches[] = {&command_bench_trace, &command_bench_render, &command_bench_error, NULL};
 

@@ -8,6 +8,8 @@
 #include "measure/stage.h"
 #include "measure/statistics.h"
 
+#include <fathom/trace.h>
+
 extern const command command_bench_trace, command_bench_render, command_bench_error;
 
 /* A row of CSV for each item of the array root[rows], or for each item of its array `inner`, if that is not

@@ -302,16 +302,13 @@ static void print_coverage(const json_t *root) {
     }
 }
 
-/* ---- the command ---- */
-
 static bool on_progress(void *user, double fraction) {
     bench_progress_tell(user, fmin(fraction, 1));
     return !interrupt_asked();
 }
 
 static fathom_status open_stage(fathom_context *context, const bench_settings *asked, bench_stage *stage) {
-    trace_spec spec;
-    fathom_status status = asked->tracer ? trace_spec_parse(context, asked->tracer, &spec) : FATHOM_OK;
+    fathom_status status = asked->tracer ? fathom_tracer_check(context, asked->tracer) : FATHOM_OK;
     if (status == FATHOM_OK) status = bench_open(context, asked, false, stage);
     if (status == FATHOM_OK && asked->tracer) stage->settings.tracer = asked->tracer;
     return status;

@@ -197,8 +197,6 @@ static void print_fits(const json_t *fits) {
     }
 }
 
-/* ---- the command ---- */
-
 static fathom_settings settings_of(const fathom_scene *scene, const bench_render_settings *asked,
                                    size_t index) {
     const args_size size = asked->all.size;
@@ -344,13 +342,12 @@ static fathom_status measure(fathom_context *context, const void *user, json_t *
     const bench_render_settings *asked = user;
     const args_list *tracers = asked->tracers.count ? &asked->tracers : &embree;
     fathom_status status = FATHOM_OK;
-    trace_spec spec;
     if (!asked->all.scene && !asked->triangles.count)
         return fail(context, FATHOM_BAD_USAGE, "bench render: SCENE is missing; expected it or --triangles");
     if (asked->threads.count > RENDER_TIME_THREADS_MAX)
         return fail(context, FATHOM_BAD_USAGE, "--threads: expected at most 8 numbers");
     for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i)
-        status = trace_spec_parse(context, tracers->items[i], &spec);
+        status = fathom_tracer_check(context, tracers->items[i]);
     json_t *runs = json_array();
     json_add(root, JSON("repeats", asked->all.repeats), JSON("runs", runs));
     if (status == FATHOM_OK) status = measure_all(context, asked, tracers, root);

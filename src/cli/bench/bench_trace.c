@@ -20,7 +20,6 @@ typedef struct bench_trace_settings {
 
 typedef struct contestant {
     const char *text; /* "embree:16" */
-    trace_spec spec;
     double build, build_cpu;
 } contestant;
 
@@ -31,30 +30,17 @@ typedef struct field {
     size_t count;
 } field;
 
-static fathom_status enter(fathom_context *context, field *f, const char *text) {
-    contestant *c = &f->items[f->count];
-    *c = (contestant){.text = text};
-    fathom_status status = trace_spec_parse(context, text, &c->spec);
-    if (status == FATHOM_OK) ++f->count;
-    return status;
-}
-
 /* Maximum number of primitives for linear search by default: sixteen rays take about 30 ms then. */
 #define LINEAR_MOST 1000000
 
-/* Adds all tracers, except those that would only repeat another. */
-static void enter_all(fathom_context *context, field *f, uint64_t primitives) {
-    static const char *const always[] = {"embree:1",      "embree:4",       "embree:8", "embree:16",
-                                         "embree:raw:16", "embree:user:16", "bvh"};
-    for (size_t i = 0; i < sizeof always / sizeof *always; ++i) enter(context, f, always[i]);
-    if (primitives <= LINEAR_MOST) enter(context, f, "linear");
-}
-
-static fathom_status enter_given(fathom_context *context, field *f, const args_list *tracers) {
-    fathom_status status = FATHOM_OK;
-    for (size_t i = 0; i < tracers->count && status == FATHOM_OK; ++i)
-        status = enter(context, f, tracers->items[i]);
-    return status;
+/* Enters the given tracers; without any, all that do not only repeat another. */
+static void enter(field *f, const args_list *given, uint64_t primitives) {
+    static const args_list all = {
+        {"embree:1", "embree:4", "embree:8", "embree:16", "embree:raw:16", "embree:user:16", "bvh", "linear"},
+        8};
+    const args_list *list = given->count ? given : &all;
+    f->count = list->count - (list == &all && primitives > LINEAR_MOST);
+    for (size_t i = 0; i < f->count; ++i) f->items[i].text = list->items[i];
 }
 
 /* ---- one scene ---- */
@@ -80,7 +66,7 @@ static fathom_status open_sphere(fathom_context *context, uint64_t triangles, be
 
 static fathom_status build(fathom_context *context, const world *w, contestant *c, unsigned threads,
                            trace_tracer **out) {
-    trace_options options = {.spec = &c->spec, .width = LANES, .threads = threads};
+    trace_options options = {.words = c->text, .width = LANES, .threads = threads};
     double began = clock_seconds(), cpu = clock_process_seconds();
     fathom_status status = trace_create(context, w, &options, out);
     c->build = clock_seconds() - began, c->build_cpu = clock_process_seconds() - cpu;
@@ -188,21 +174,15 @@ static const bench_csv csv = {
                "mrays_per_cpu_second_high=millionRaysPerCpuSecond.high, "
                "mrays_per_second_median=millionRaysPerSecond.median, scene"};
 
-/* ---- the command ---- */
-
 static fathom_status run_arena(fathom_context *context, const arena *s, const bench_trace_settings *asked,
                                json_t *root) {
     json_t *runs = json_object_get(root, "runs");
     size_t first = json_array_size(runs);
     field *f = calloc(1, sizeof *f);
     if (!f) return fail_memory(context, sizeof *f);
-    fathom_status status = FATHOM_OK;
     trace_sets sets = {{{.count = 0}}};
-    if (asked->tracers.count)
-        status = enter_given(context, f, &asked->tracers);
-    else
-        enter_all(context, f, s->primitives);
-    if (status == FATHOM_OK) status = race(context, s, asked, f, &sets);
+    enter(f, &asked->tracers, s->primitives);
+    fathom_status status = race(context, s, asked, f, &sets);
     for (size_t i = 0; i < f->count && status == FATHOM_OK; ++i) {
         bench_add_tracer(root, trace_name(f->tracers[i]));
         json_array_append_new(runs, pack_run(s, f, i, &sets));
@@ -249,8 +229,9 @@ static fathom_status measure(fathom_context *context, const void *settings, json
     const bench_trace_settings *asked = settings;
     if (!asked->all.scene && !asked->triangles.count)
         return fail(context, FATHOM_BAD_USAGE, "bench trace: SCENE is missing; expected it or --triangles");
-    field f = {.count = 0};
-    fathom_status status = enter_given(context, &f, &asked->tracers);
+    fathom_status status = FATHOM_OK;
+    for (size_t i = 0; i < asked->tracers.count && status == FATHOM_OK; ++i)
+        status = fathom_tracer_check(context, asked->tracers.items[i]);
     json_add(root, JSON("repeats", asked->all.repeats), JSON("threads", asked->tracing),
              JSON("raysAsked", asked->rays), JSON("runs", json_array()));
     return status == FATHOM_OK ? run_scenes(context, asked, root) : status;

@@ -19,8 +19,8 @@ static struct {
     unsigned tenths; /* last tenth printed in this phase */
     fathom_phase phase;
     double seconds;   /* time of the last JSON line of this phase; < 0: none yet */
-    const char *work; /* name of the rendering phase; NULL: "render" */
-} state;
+    const char *work; /* name of the rendering phase */
+} state = {.work = "render"};
 
 /* Shorter runs print no lines. */
 #define LINES_AFTER_SECONDS 1.0
@@ -43,19 +43,18 @@ static void begin_phase(fathom_phase phase) {
     state.seconds = -1;
 }
 
-void progress_begin(bool quiet) {
+void progress_begin(bool quiet, const char *work) {
     state.display = choose_display(quiet);
     state.drawn = false;
+    state.work = work;
     begin_phase(FATHOM_PHASE_READ);
 }
-
-void progress_call(const char *name) { state.work = name; }
 
 static const char *phase_name(fathom_phase phase) {
     switch (phase) {
     case FATHOM_PHASE_READ: return "read";
     case FATHOM_PHASE_BUILD: return "build";
-    case FATHOM_PHASE_RENDER: return state.work ? state.work : "render";
+    case FATHOM_PHASE_RENDER: return state.work;
     case FATHOM_PHASE_WRITE: return "write";
     }
     return "";

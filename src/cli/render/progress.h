@@ -7,10 +7,8 @@
 extern "C" {
 #endif
 
-/* quiet: shows nothing. */
-void progress_begin(bool quiet);
-/* Sets the name of the rendering phase; the default is "render". The caller owns the text. */
-void progress_call(const char *name);
+/* quiet: shows nothing. work: the name of the rendering phase, such as "render"; the caller owns the text. */
+void progress_begin(bool quiet, const char *work);
 
 /* Begins a phase that reports no progress; a terminal shows its name. */
 void progress_phase(fathom_phase phase);

@@ -154,13 +154,8 @@ bool frames_name(const char *path, uint32_t frame, char out[PATH_MAX]) {
 
 /* Number of files that are written in addition to the outputs. */
 enum { OTHERS = 3 };
-static void others_of(render_options *options, const char **others[OTHERS]) {
-    others[0] = &options->stats, others[1] = &options->checkpoint, others[2] = &options->part.path;
-}
-
 bool render_options_frame(render_options *options, uint32_t frame, frame_names *room, args_problem *problem) {
-    const char **others[OTHERS];
-    others_of(options, others);
+    const char **others[OTHERS] = {&options->stats, &options->checkpoint, &options->part.path};
     for (size_t i = 0; i < options->outputs.count + OTHERS; ++i) {
         const char **path = i < OTHERS ? others[i] : &options->outputs.items[i - OTHERS];
         if (!*path) continue;

@@ -98,8 +98,6 @@ void saving_forget(const render_options *options) {
     }
 }
 
-/* ---- the end ---- */
-
 fathom_status saving_end(const saving *s, bool interrupted, fathom_status status) {
     const char *path = s->request.path;
     if (!path) return status;

@@ -12,12 +12,10 @@
 /* ---- trial runs: they find what all frames share, the camera and the exposure. They report no problems of
  * the scene, because the frames do. ---- */
 
-static void tell_nobody(void *user, const char *text) { (void)user, (void)text; }
-
 /* Gives the task of a trial run a context. False: out of memory. */
 static bool trial_open(task *s) {
     if (command_context(&s->options.common, &s->context) != FATHOM_OK) return false;
-    fathom_context_on_warning(s->context, tell_nobody, NULL);
+    fathom_context_on_warning(s->context, NULL, NULL);
     return true;
 }
 
@@ -59,7 +57,7 @@ static bool trial_exposure(task *s) {
     if (!trial_open(s)) return false;
     interrupt_install();
     interrupt_install_save();
-    progress_begin(s->options.common.quiet);
+    progress_begin(s->options.common.quiet, "render");
     progress_phase(FATHOM_PHASE_READ);
     const bool settled = task_read_framed(s) == FATHOM_OK && render_small(s) == FATHOM_OK &&
                          brightness_settle(&s->report.warnings, NULL, s->options.scene, s->film, &s->options);

@@ -44,10 +44,9 @@ static json_t *pack_memory(const render_report *r) {
                    JSON("foreseenBytes", s->foreseen_bytes ? json_count(s->foreseen_bytes) : json_null()));
 }
 
-/* "Embree 3.13.5, AVX-512" -> "3.13.5" and "AVX-512"; the reference tracer has neither. */
 static void add_tracer(json_t *root, const char *tracer) {
-    char version[64] = "", isa[64] = "";
-    const bool embree = sscanf(tracer, "Embree %63[^,], %63[^\n]", version, isa) == 2;
+    char version[64], isa[64];
+    const bool embree = machine_embree(tracer, version, isa);
     json_add(root, JSON("tracer", tracer), JSON("embreeVersion", embree ? version : NULL),
              JSON("isa", embree ? isa : NULL));
 }

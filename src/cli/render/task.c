@@ -282,7 +282,7 @@ static fathom_status prepare(task *s) {
     if (status == FATHOM_OK && !is_other(s)) status = check_outputs(s);
     if (status != FATHOM_OK) return status;
     if (!is_other(s) && images_need_helper(&s->options)) fathom_image_prefetch();
-    progress_begin(s->options.common.quiet || is_other(s));
+    progress_begin(s->options.common.quiet || is_other(s), "render");
     progress_phase(FATHOM_PHASE_READ);
     fathom_context_on_warning(s->context, warn_of_scene, s);
     status = task_read_framed(s);

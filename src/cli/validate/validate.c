@@ -7,11 +7,11 @@
 #include "cli/render/progress.h"
 #include "cli/report.h"
 
+#include <fathom/trace.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- results ---- */
 
 /* Insertion sort, because it is stable and there are few runs: keeps the order of scenes within each
  * tracer. */
@@ -78,14 +78,11 @@ static fathom_status write_results(fathom_context *context, const validate_setti
 
 static fathom_status check(fathom_context *context, const validate_settings *settings) {
     const char *const files[] = {settings->json, settings->failures};
-    fathom_status status = FATHOM_OK;
     if (outputs_is_standard(settings->failures))
         return fail(context, FATHOM_BAD_USAGE, "--failures: expected a file, found standard output");
-    status = report_check_files(context, files, settings->report, settings->scene);
-    for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i) {
-        trace_spec spec;
-        status = trace_spec_parse(context, settings->tracers.items[i], &spec);
-    }
+    fathom_status status = report_check_files(context, files, settings->report, settings->scene);
+    for (size_t i = 0; i < settings->tracers.count && status == FATHOM_OK; ++i)
+        status = fathom_tracer_check(context, settings->tracers.items[i]);
     return status;
 }
 
@@ -109,8 +106,7 @@ static fathom_status replay(fathom_context *context, const validate_settings *se
 }
 
 static fathom_status validate(fathom_context *context, const validate_settings *settings) {
-    progress_begin(settings->common.quiet);
-    progress_call("validate");
+    progress_begin(settings->common.quiet, "validate");
     interrupt_keep_work(true);
     validate_results results = {.start = clock_seconds()};
     uint64_t wrong = 0;

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-/* ---- running ---- */
-
 /* A case gets 1 / SHARE of the rays of a family in a scene. */
 #define SHARE 12
 
@@ -46,8 +44,7 @@ fathom_status validate_extremes_run(fathom_context *context, const validate_sett
     extremes_options options = options_of(settings, &g);
     if (settings->failures) options.failures = &results->extremes_failures, options.kept = FAILURES_KEPT;
     for (unsigned k = 0; k < extremes_groups(); ++k) g.cases += extremes_cases(k);
-    progress_begin(settings->common.quiet);
-    progress_call("extremes");
+    progress_begin(settings->common.quiet, "extremes");
     fathom_status status = FATHOM_OK;
     for (unsigned k = 0; k < extremes_groups(); ++k) {
         for (unsigned i = 0; i < extremes_cases(k) && status == FATHOM_OK; ++i) {
@@ -60,8 +57,6 @@ fathom_status validate_extremes_run(fathom_context *context, const validate_sett
     progress_clear_line();
     return status;
 }
-
-/* ---- results ---- */
 
 uint64_t validate_extremes_total(const extremes_rows *rows, verdict v) {
     uint64_t sum = 0;

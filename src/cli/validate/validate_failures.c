@@ -11,8 +11,6 @@
 
 #define LINE_ROOM 512
 #define FAILURES_SHOWN 20
-#define LINE_HEAD "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n"
-
 static int format_ray(const oracle_ray *r, char *out, size_t room) {
     return snprintf(out, room, "%a %a %a %a %a %a %a %a", (double)r->org.x, (double)r->org.y,
                     (double)r->org.z, (double)r->dir.x, (double)r->dir.y, (double)r->dir.z, (double)r->t_near,
@@ -32,26 +30,23 @@ static const char *way_name(unsigned way) {
     return way == COMPARE_FIRST ? "first" : way == ASK_REPAIRED ? "repaired" : ask_way_name(way);
 }
 
-static void put_text(file_writer *writer, const char *text) { file_writer_put(writer, text, strlen(text)); }
-
 static void put_block(file_writer *writer, const compare_failure *f) {
     char line[LINE_ROOM];
     const ask_block *b = &f->block;
     const verdict_answer *hit = &f->answer.hit;
-    snprintf(line, sizeof line, "+ %s %u %u %u %u %u %u %a %u\n", way_name(f->way), (unsigned)b->coherence,
-             b->lane, b->lanes, hit->geometry, hit->primitive, hit->instance, hit->t,
-             (unsigned)f->answer.met);
-    put_text(writer, line);
+    file_writer_print(writer, "+ %s %u %u %u %u %u %u %a %u\n", way_name(f->way), (unsigned)b->coherence,
+                      b->lane, b->lanes, hit->geometry, hit->primitive, hit->instance, hit->t,
+                      (unsigned)f->answer.met);
     for (unsigned i = 0; i < b->lanes; ++i) {
         format_ray(&b->rays[i], line, sizeof line);
-        put_text(writer, "+"), put_text(writer, line), put_text(writer, "\n");
+        file_writer_print(writer, "+%s\n", line);
     }
 }
 
 static void put_line(file_writer *writer, const char *spec, const char *scene, const compare_failure *f) {
     char line[LINE_ROOM];
     format_line(spec, f, line);
-    put_text(writer, line), put_text(writer, scene), put_text(writer, "\n");
+    file_writer_print(writer, "%s%s\n", line, scene);
     put_block(writer, f);
 }
 
@@ -80,7 +75,8 @@ fathom_status validate_write_failures(fathom_context *context, const validate_re
     file_writer *writer;
     fathom_status status = file_writer_open(context, settings->failures, &writer);
     if (status != FATHOM_OK) return status;
-    file_writer_put(writer, LINE_HEAD, strlen(LINE_HEAD));
+    file_writer_print(writer,
+                      "# fathom failing rays: tracer family index verdict org dir t_near t_far scene\n");
     for (size_t i = 0; i < results->runs.count; ++i) {
         const validate_run *run = &results->runs.items[i];
         for (size_t k = 0; k < run->result.failures.count; ++k)

@@ -66,8 +66,7 @@ static json_t *pack(const laws_rows *rows, const validate_settings *settings) {
 }
 
 static fathom_status write_json(fathom_context *context, const validate_settings *settings, json_t *root) {
-    fathom_status status = root ? FATHOM_OK : fail_memory(context, 4096);
-    if (status == FATHOM_OK && settings->json) status = json_write_file(context, settings->json, root);
+    const fathom_status status = json_write_file(context, settings->json, root);
     json_decref(root);
     return status;
 }
@@ -144,8 +143,7 @@ static fathom_status compare_scene(fathom_context *context, const validate_setti
 
 fathom_status validate_light(fathom_context *context, const validate_settings *settings) {
     bool fails = false;
-    progress_begin(settings->common.quiet);
-    progress_call("validate");
+    progress_begin(settings->common.quiet, "validate");
     interrupt_keep_work(true);
     const fathom_status status = (settings->scene ? compare_scene : closed_forms)(context, settings, &fails);
     say_status(&command_validate, context, status);

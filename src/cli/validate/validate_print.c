@@ -247,12 +247,6 @@ static json_t *pack_family(const char *name, const compare_family *f) {
     return family;
 }
 
-/* "AVX2", after the comma in the name; NULL for tracers other than Embree. */
-static const char *isa_of(const validate_run *run) {
-    const char *comma = strchr(run->tracer, ',');
-    return strncmp(run->tracer, "Embree ", 7) == 0 && comma ? comma + 2 : NULL;
-}
-
 static json_t *pack_run(const validate_run *run) {
     json_t *families = json_array();
     for (int f = 0; f < RAYS_FAMILIES; ++f) {
@@ -260,24 +254,24 @@ static json_t *pack_run(const validate_run *run) {
         if (!family->rays) continue;
         json_array_append_new(families, pack_family(rays_family_name((rays_family)f), family));
     }
-    compare_family sum = validate_sum(run);
+    const compare_family sum = validate_sum(run);
+    char version[64], isa[64];
+    const bool embree = machine_embree(run->tracer, version, isa);
     return json_of(JSON("scene", run->scene), JSON("spec", run->spec), JSON("tracer", run->tracer),
-                   JSON("isa", isa_of(run)), JSON("seconds", run->seconds), JSON("nsPerRay", ns_per_ray(run)),
-                   JSON("any", pack_any(&sum)), JSON("families", families),
+                   JSON("isa", embree ? isa : NULL), JSON("seconds", run->seconds),
+                   JSON("nsPerRay", ns_per_ray(run)), JSON("any", pack_any(&sum)), JSON("families", families),
                    JSON("screened", run->result.screened), JSON("findings", pack_findings(run)),
                    JSON("failures", validate_failures_json(run)));
 }
 
 static json_t *pack_head(const validate_runs *runs, unsigned threads) {
     json_t *head = machine_head();
-    char embree[32] = "";
-    for (size_t i = 0; i < runs->count && !embree[0]; ++i) {
-        const char *name = runs->items[i].tracer;
-        if (strncmp(name, "Embree ", 7) == 0)
-            snprintf(embree, sizeof embree, "%.*s", (int)strcspn(name + 7, ","), name + 7);
-    }
+    char version[64], isa[64];
+    bool embree = false;
+    for (size_t i = 0; i < runs->count && !embree; ++i)
+        embree = machine_embree(runs->items[i].tracer, version, isa);
     json_add(json_object_get(head, "machine"), JSON("threads", threads),
-             JSON("embree", embree[0] ? embree : NULL));
+             JSON("embree", embree ? version : NULL));
     return head;
 }
 
@@ -299,7 +293,6 @@ static json_t *pack(const validate_results *results, const validate_settings *se
 fathom_status validate_write_json(fathom_context *context, const validate_results *results,
                                   const validate_settings *settings) {
     json_t *root = pack(results, settings);
-    if (!root) return fail_memory(context, 4096);
     fathom_status status = FATHOM_OK;
     if (settings->json) status = json_write_file(context, settings->json, root);
     if (status == FATHOM_OK && settings->report) status = report_write(context, settings->report, root);

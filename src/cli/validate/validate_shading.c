@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- running ---- */
-
 /* Moves the rows of each group together, in their original order. */
 static void gather_groups(shading_rows *rows) {
     for (size_t i = 1; i < rows->count; ++i) {
@@ -34,8 +32,6 @@ fathom_status validate_shading_run(fathom_context *context, const validate_setti
     gather_groups(rows);
     return status;
 }
-
-/* ---- results ---- */
 
 uint64_t validate_shading_wrong(const shading_rows *rows) {
     uint64_t wrong = 0;
