@@ -176,6 +176,33 @@ static unsigned lane_at(const way *w, unsigned place, unsigned lanes) {
     return w->reversed ? lanes - 1 - place : place;
 }
 
+ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned w, bool any) {
+    const size_t block = ray / LANES;
+    const unsigned lanes = ask_lanes(batch, block);
+    const way as_it_was = {"given", LANES, call_of(batch, block)->coherence, false};
+    const way *how = w < WAYS ? &ways[w] : &as_it_was;
+    unsigned place = lane_at(how, ray % LANES, lanes), begin = place / how->lanes * how->lanes;
+    ask_block out = {.lane = place - begin, .coherence = how->coherence, .any = any};
+    for (unsigned i = begin; i < lanes && i < begin + how->lanes; ++i)
+        out.rays[out.lanes++] = batch->rays[block * LANES + lane_at(how, i, lanes)];
+    return out;
+}
+
+static void make_call(const trace_tracer *tracer, const ask_block *b, bool closest, bool any,
+                      ask_answer out[LANES]) {
+    trace_block block;
+    trace_fine fine;
+    memset(&block, 0xff, sizeof block), memset(&fine, 0, sizeof fine);
+    for (unsigned i = 0; i < b->lanes; ++i) put_ray(&block.rays, i, &b->rays[i]);
+    trace_rays rays = block.rays;
+    if (closest) trace_closest_fine(tracer, &block, &fine, b->lanes, b->coherence);
+    if (any) trace_any(tracer, &rays, b->lanes, b->coherence);
+    for (unsigned i = 0; i < b->lanes; ++i) {
+        out[i] = ask_closest_of(&block, &fine, i);
+        out[i].met = met_of(&rays, i);
+    }
+}
+
 typedef struct other_ways {
     const trace_tracer *tracer;
     const ask_batch *batch;
@@ -192,25 +219,19 @@ static void keep(other_ways *o, size_t ray, unsigned w, bool any, const ask_answ
     pthread_mutex_unlock(&o->lock);
 }
 
-/* Makes one call with positions [begin, end) of the way. */
-static void ask_part(other_ways *o, size_t block, unsigned w, unsigned begin, unsigned end) {
+/* Makes the call of the way that begins at this position of the block. */
+static void ask_part(other_ways *o, size_t block, unsigned w, unsigned begin) {
     const ask_batch *batch = o->batch;
     const ask_call *call = call_of(batch, block);
-    unsigned lanes = ask_lanes(batch, block);
-    trace_block closest;
-    trace_fine fine;
-    memset(&closest, 0xff, sizeof closest), memset(&fine, 0, sizeof fine);
-    for (unsigned i = begin; i < end; ++i)
-        put_ray(&closest.rays, i - begin, &batch->rays[block * LANES + lane_at(&ways[w], i, lanes)]);
-    trace_rays any = closest.rays;
-    if (call->closest) trace_closest_fine(o->tracer, &closest, &fine, end - begin, ways[w].coherence);
-    if (call->any) trace_any(o->tracer, &any, end - begin, ways[w].coherence);
-    for (unsigned i = begin; i < end; ++i) {
-        size_t ray = block * LANES + lane_at(&ways[w], i, lanes);
-        ask_answer first = ask_answer_of(batch, ray), now = ask_closest_of(&closest, &fine, i - begin);
-        now.met = met_of(&any, i - begin);
-        if (call->closest && !ask_same(&first, &now, false)) keep(o, ray, w, false, &now);
-        if (call->any && !ask_same(&first, &now, true)) keep(o, ray, w, true, &now);
+    const unsigned lanes = ask_lanes(batch, block);
+    const ask_block part = ask_block_of(batch, block * LANES + lane_at(&ways[w], begin, lanes), w, false);
+    ask_answer now[LANES];
+    make_call(o->tracer, &part, call->closest, call->any, now);
+    for (unsigned i = 0; i < part.lanes; ++i) {
+        const size_t ray = block * LANES + lane_at(&ways[w], begin + i, lanes);
+        const ask_answer first = ask_answer_of(batch, ray);
+        if (call->closest && !ask_same(&first, &now[i], false)) keep(o, ray, w, false, &now[i]);
+        if (call->any && !ask_same(&first, &now[i], true)) keep(o, ray, w, true, &now[i]);
     }
 }
 
@@ -222,8 +243,7 @@ static void ask_block_ways(void *user, size_t begin, size_t end) {
         size_t block = i % o->batch->blocks;
         unsigned lanes = ask_lanes(o->batch, block);
         for (unsigned w = 0; w < o->ways && !is_stopped(o->batch); ++w) {
-            for (unsigned at = 0; at < lanes; at += ways[w].lanes)
-                ask_part(o, block, w, at, at + ways[w].lanes < lanes ? at + ways[w].lanes : lanes);
+            for (unsigned at = 0; at < lanes; at += ways[w].lanes) ask_part(o, block, w, at);
         }
     }
     trace_thread_end(state);
@@ -267,31 +287,10 @@ bool ask_others_find(const trace_tracer *tracer, const ask_batch *batch, unsigne
     return !o.failed;
 }
 
-/* ---- one call again ---- */
-
-ask_block ask_block_of(const ask_batch *batch, size_t ray, unsigned w, bool any) {
-    const size_t block = ray / LANES;
-    const unsigned lanes = ask_lanes(batch, block);
-    const way as_it_was = {"given", LANES, call_of(batch, block)->coherence, false};
-    const way *how = w < WAYS ? &ways[w] : &as_it_was;
-    unsigned place = lane_at(how, ray % LANES, lanes), begin = place / how->lanes * how->lanes;
-    ask_block out = {.lane = place - begin, .coherence = how->coherence, .any = any};
-    for (unsigned i = begin; i < lanes && i < begin + how->lanes; ++i)
-        out.rays[out.lanes++] = batch->rays[block * LANES + lane_at(how, i, lanes)];
-    return out;
-}
-
 ask_answer ask_block_again(const trace_tracer *tracer, const ask_block *block) {
-    trace_block closest;
-    trace_fine fine;
-    memset(&closest, 0xff, sizeof closest), memset(&fine, 0, sizeof fine);
-    for (unsigned i = 0; i < block->lanes; ++i) put_ray(&closest.rays, i, &block->rays[i]);
-    trace_rays any = closest.rays;
+    ask_answer answers[LANES];
     unsigned state = trace_thread_begin();
-    trace_closest_fine(tracer, &closest, &fine, block->lanes, block->coherence);
-    trace_any(tracer, &any, block->lanes, block->coherence);
+    make_call(tracer, block, true, true, answers);
     trace_thread_end(state);
-    ask_answer a = ask_closest_of(&closest, &fine, block->lane);
-    a.met = met_of(&any, block->lane);
-    return a;
+    return answers[block->lane];
 }

@@ -13,8 +13,6 @@ fathom_status build_finish(builder *b) {
     return b->status;
 }
 
-/* ---- materials ---- */
-
 void build_rgb(float out[3], vec3_f64 rgb) {
     out[0] = (float)rgb.x, out[1] = (float)rgb.y, out[2] = (float)rgb.z;
 }
@@ -39,8 +37,6 @@ fathom_id build_material(builder *b, fathom_material m) {
     if (b->status == FATHOM_OK) b->status = fathom_scene_add_material(b->scene, NULL, &m, &id);
     return id;
 }
-
-/* ---- shapes ---- */
 
 void build_sphere(builder *b, vec3_f64 center, double radius, fathom_id material) {
     fathom_sphere sphere = {.radius = radius, .material = material, .flags = b->flags};
@@ -98,27 +94,28 @@ void build_place(builder *b, fathom_id group, fathom_id parent, const affine_f64
     build_instance(b, &instance);
 }
 
-/* ---- light and camera ---- */
+fathom_light build_light_of(fathom_light_type type, vec3_f64 at, vec3_f64 direction, vec3_f64 intensity) {
+    fathom_light light;
+    fathom_light_default(&light);
+    light.type = type;
+    store_f64(light.position, at), store_f64(light.direction, direction);
+    build_rgb(light.intensity, intensity);
+    return light;
+}
 
 void build_light(builder *b, const fathom_light *light) {
     if (b->status == FATHOM_OK) b->status = fathom_scene_add_light(b->scene, light, NULL);
 }
 
 void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radius) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_POINT, light.radius = (float)radius;
-    store_f64(light.position, at);
-    build_rgb(light.intensity, intensity);
+    fathom_light light = build_light_of(FATHOM_LIGHT_POINT, at, (vec3_f64){0, 0, -1}, intensity);
+    light.radius = (float)radius;
     build_light(b, &light);
 }
 
 void build_directional_light(builder *b, vec3_f64 direction, vec3_f64 intensity, double radius) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_DIRECTIONAL, light.angular_radius = (float)radius;
-    store_f64(light.direction, direction);
-    build_rgb(light.intensity, intensity);
+    fathom_light light = build_light_of(FATHOM_LIGHT_DIRECTIONAL, (vec3_f64){0, 0, 0}, direction, intensity);
+    light.angular_radius = (float)radius;
     build_light(b, &light);
 }
 
@@ -135,6 +132,6 @@ fathom_camera build_view(vec3_f64 eye, vec3_f64 target, double fovy) {
     return camera;
 }
 
-void build_camera(builder *b, const fathom_camera *camera) {
-    if (b->status == FATHOM_OK) b->status = fathom_scene_set_camera(b->scene, camera);
+void build_camera(builder *b, fathom_camera camera) {
+    if (b->status == FATHOM_OK) b->status = fathom_scene_set_camera(b->scene, &camera);
 }

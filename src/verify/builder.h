@@ -44,11 +44,13 @@ void build_place(builder *b, fathom_id group, fathom_id parent, const affine_f64
 
 /* ---- light and camera ---- */
 
+/* A light with this position and direction; types that have no such thing ignore it. */
+fathom_light build_light_of(fathom_light_type type, vec3_f64 at, vec3_f64 direction, vec3_f64 intensity);
 void build_light(builder *b, const fathom_light *light);
 void build_point_light(builder *b, vec3_f64 at, vec3_f64 intensity, double radius);
 /* radius: half of its angle. */
 void build_directional_light(builder *b, vec3_f64 direction, vec3_f64 intensity, double radius);
 void build_background(builder *b, vec3_f64 rgb);
-void build_camera(builder *b, const fathom_camera *camera);
+void build_camera(builder *b, fathom_camera camera);
 /* A camera that looks from one point at another, upright along +y. */
 fathom_camera build_view(vec3_f64 eye, vec3_f64 target, double fovy);

@@ -6,9 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static vec3_f64 scattered_center(unsigned i) {
-    return vec_f64(case_scattered(i, 0, -2, 2), case_scattered(i, 1, -2, 2), case_scattered(i, 2, -2, 2));
-}
+static vec3_f64 scattered_center(unsigned i) { return case_scattered_point(i, 0, 2); }
 
 static void add_spheres(judged_scene *c) {
     for (unsigned i = 0; i < 24; ++i)

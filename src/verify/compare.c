@@ -301,8 +301,6 @@ static fathom_status run_recorded(fathom_context *context, comparison *c, uint64
     return status;
 }
 
-/* ---- all ---- */
-
 static void free_comparison(comparison *c) {
     for (unsigned i = 0; c->workers && i < c->options->threads; ++i) {
         search_result_free(&c->workers[i].room);

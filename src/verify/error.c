@@ -65,8 +65,6 @@ void error_measure(const oracle_ray *ray, const oracle_primitive *primitive, con
     mode_leave(mode);
 }
 
-/* ---- counts ---- */
-
 void histogram_add(histogram *h, double value) {
     ++h->total;
     if (value > h->largest) h->largest = value;

@@ -168,8 +168,6 @@ static void root_of_plane(const exact_plane *plane, exact_root *out) {
     mpz_neg(out->q.z, out->q.z);
 }
 
-/* ---- both ---- */
-
 void exact_root_of(const oracle_ray *ray, const oracle_primitive *primitive, unsigned which,
                    exact_root *out) {
     if (primitive->shape == ORACLE_SPHERE) {

@@ -70,9 +70,9 @@ double case_scattered(unsigned i, unsigned k, double low, double high) {
     return low + (high - low) * (x - floor(x));
 }
 
-static vec3_f64 scattered_point(unsigned i, vec3_f64 at, double radius) {
-    return add_f64(at, vec_f64(case_scattered(i, 0, -radius, radius), case_scattered(i, 1, -radius, radius),
-                               case_scattered(i, 2, -radius, radius)));
+vec3_f64 case_scattered_point(unsigned i, unsigned k, double reach) {
+    return vec_f64(case_scattered(i, k, -reach, reach), case_scattered(i, k + 1, -reach, reach),
+                   case_scattered(i, k + 2, -reach, reach));
 }
 
 void case_mesh(judged_scene *c, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
@@ -97,15 +97,15 @@ void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, u
 
 void case_spheres(judged_scene *c, vec3_f64 at, double radius) {
     for (unsigned i = 0; i < 12; ++i)
-        build_sphere(&c->b, scattered_point(i, at, radius), radius * pow(10, case_scattered(i, 3, -2, -0.5)),
-                     0);
+        build_sphere(&c->b, add_f64(at, case_scattered_point(i, 0, radius)),
+                     radius * pow(10, case_scattered(i, 3, -2, -0.5)), 0);
 }
 
 void case_quads(judged_scene *c, vec3_f64 at, double radius) {
     for (unsigned i = 0; i < 12; ++i) {
         double angle = case_scattered(i, 3, 0, 6.28), size = radius * pow(10, case_scattered(i, 4, -2, -0.3));
         vec3_f64 u = scale_f64(size, vec_f64(cos(angle), sin(angle), 0));
-        build_quad(&c->b, scattered_point(i + 40, at, radius), u,
+        build_quad(&c->b, add_f64(at, case_scattered_point(i + 40, 0, radius)), u,
                    scale_f64(size, vec_f64(-0.3 * sin(angle), 0.3 * cos(angle), 0.8)), 0);
     }
 }

@@ -51,6 +51,8 @@ enum { CASE_SPHERES, CASE_QUADS, CASE_TRIANGLES, CASE_PLANES };
 void case_shapes(judged_scene *c, double radius);
 /* Pseudo-random numbers in [low, high), the same on every machine. */
 double case_scattered(unsigned i, unsigned k, double low, double high);
+/* The numbers k, k + 1 and k + 2, in [-reach, reach). */
+vec3_f64 case_scattered_point(unsigned i, unsigned k, double reach);
 
 /* ---- scenes.c, rays.c, broken.c: the groups ---- */
 

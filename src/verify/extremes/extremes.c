@@ -66,8 +66,6 @@ unsigned extremes_groups(void) { return sizeof groups / sizeof *groups; }
 const char *extremes_name(unsigned g) { return groups[g].name; }
 unsigned extremes_cases(unsigned g) { return groups[g].count; }
 
-/* ---- cases of rays ---- */
-
 bool judged_suits(const judged_scene *c, const trace_spec *spec) {
     const world *w = c->world;
     return spec->kind != TRACE_PLUGIN ||
@@ -120,10 +118,6 @@ static fathom_status compare_case(const judged_scene *c, const char *text, const
     return status;
 }
 
-static fathom_status push(fathom_context *context, extremes_rows *rows, const extremes_row *row) {
-    return array_push(rows, *row) ? FATHOM_OK : fail_memory(context, sizeof *row);
-}
-
 static fathom_status ask_tracer(const judged_scene *c, const extremes_options *o, const char *text,
                                 extremes_row *row, extremes_rows *rows) {
     trace_spec spec;
@@ -136,8 +130,7 @@ static fathom_status ask_tracer(const judged_scene *c, const extremes_options *o
     trace_destroy(tracer);
     if (status == FATHOM_OK || status == FATHOM_INTERRUPTED) {
         row->spec = text;
-        fathom_status pushed = push(c->b.context, rows, row);
-        if (pushed != FATHOM_OK) return pushed;
+        if (!array_push(rows, *row)) return fail_memory(c->b.context, sizeof *row);
     }
     return status;
 }
@@ -155,8 +148,6 @@ fathom_status extremes_run(fathom_context *context, unsigned g, unsigned index, 
     judged_close(&c);
     return status;
 }
-
-/* ---- opening one case ---- */
 
 fathom_status extremes_open(fathom_context *context, const char *name, double parameter, judged_scene *out) {
     memset(out, 0, sizeof *out);

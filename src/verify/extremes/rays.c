@@ -18,10 +18,7 @@ void sliver_make(judged_scene *c, double aspect) {
         strip[i] = vec_f64(along, across, 0.3 * along + 0.2 * across * case_scattered(i, 0, -1, 1));
     }
     for (unsigned i = 0; i < STRIP; ++i) {
-        vec3_f64 a =
-            vec_f64(case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1), case_scattered(i, 3, -1, 1));
-        vec3_f64 b =
-            vec_f64(case_scattered(i, 4, -1, 1), case_scattered(i, 5, -1, 1), case_scattered(i, 6, -1, 1));
+        vec3_f64 a = case_scattered_point(i, 1, 1), b = case_scattered_point(i, 4, 1);
         vec3_f64 side = normalize_f64(cross_f64(sub_f64(b, a), vec_f64(0.3, 0.5, -0.8)));
         alone[3 * i] = a, alone[3 * i + 1] = b;
         alone[3 * i + 2] = madd_f64(b, length_f64(sub_f64(b, a)) / aspect, side);
@@ -184,8 +181,7 @@ static void put_part(judged_scene *c, double size) {
     build_sphere(&c->b, vec_f64(0, 0, 0), earth, 0);
     case_ball(c, at, size);
     build_sphere(&c->b, madd_f64(at, 2.5 * size, vec_f64(0.8, 0, -0.6)), size, 0);
-    const fathom_camera camera = build_view(madd_f64(at, 8 * size, vec_f64(0.64, 0.48, 0.6)), at, 0.7);
-    build_camera(&c->b, &camera);
+    build_camera(&c->b, build_view(madd_f64(at, 8 * size, vec_f64(0.64, 0.48, 0.6)), at, 0.7));
     c->number[0] = size, c->number[1] = at.x, c->number[2] = at.y, c->number[3] = at.z;
 }
 

@@ -23,8 +23,7 @@ void offset_near(judged_scene *c, double offset) {
     case_say(c, "all shapes, 1 in size, %g from the origin, the camera next to them", offset);
     vec3_f64 at = place_at(offset);
     put_mixture(c, at);
-    const fathom_camera camera = build_view(add_f64(at, vec_f64(2, 1, 4)), at, 0.7);
-    build_camera(&c->b, &camera);
+    build_camera(&c->b, build_view(add_f64(at, vec_f64(2, 1, 4)), at, 0.7));
     c->families |= 1u << RAYS_CAMERA;
 }
 
@@ -184,8 +183,7 @@ void nested_mirror(judged_scene *c, double ratio) {
 static void put_far_triangles(judged_scene *c, double at) {
     vec3_f64 corners[24];
     for (unsigned i = 0; i < 24; ++i) {
-        corners[i] =
-            vec_f64(case_scattered(i, 0, -1, 1), case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1));
+        corners[i] = case_scattered_point(i, 0, 1);
         if (i % 3 == i / 3 % 3) corners[i] = scale_f64(at, normalize_f64(corners[i]));
     }
     case_triangles(c, middle, corners, 8);
@@ -203,9 +201,7 @@ void beyond_quads(judged_scene *c, double at) {
     c->thin = 4;
     case_quads(c, middle, 1);
     for (unsigned i = 0; i < 6; ++i) {
-        vec3_f64 u =
-            vec_f64(case_scattered(i, 0, -1, 1), case_scattered(i, 1, -1, 1), case_scattered(i, 2, -1, 1));
-        vec3_f64 v = cross_f64(u, vec_f64(0.3, 1, -0.2));
+        vec3_f64 u = case_scattered_point(i, 0, 1), v = cross_f64(u, vec_f64(0.3, 1, -0.2));
         build_quad(&c->b, scale_f64(3, u), scale_f64(at, u), scale_f64(at, v), 0);
     }
 }

@@ -67,7 +67,7 @@ static double lit_sphere(double rho, const double *unused) {
 
 static void light_in_sphere(law_room *room) {
     paint_sphere(&room->b, origin, sphere_radius, build_lambert(albedo));
-    law_point_light(room, origin, intensity, room->number);
+    build_point_light(&room->b, origin, gray(intensity), room->number);
     law_look(room, vec_f64(0.4, 0, 0), vec_f64(0.2, 1, 0.3));
     law_value(room, law_each(albedo, lit_sphere, NULL));
 }
@@ -78,12 +78,8 @@ static void light_in_sphere(law_room *room) {
 static double spot_wall(double rho, const double *share) { return *share * (rho * lit_sphere(rho, NULL)); }
 
 static void spot_in_sphere(law_room *room) {
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_SPOT;
+    fathom_light light = build_light_of(FATHOM_LIGHT_SPOT, origin, down, gray(intensity));
     light.inner_angle = 0.6f, light.outer_angle = 1.2f;
-    store_f64(light.direction, down);
-    build_rgb(light.intensity, gray(intensity));
     const double inner = cos((double)light.inner_angle), outer = cos((double)light.outer_angle);
     paint_sphere(&room->b, origin, sphere_radius, build_lambert(albedo));
     build_light(&room->b, &light);

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the list ---- */
-
 static const law *const lists[] = {laws_of_enclosures, laws_of_lights, laws_of_matter, laws_of_layers,
                                    laws_of_motion};
 

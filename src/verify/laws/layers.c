@@ -194,12 +194,8 @@ static double from_slabs(double remains, const double *reflected) {
 
 static void overlap_uneven(law_room *room) {
     const double reflected[2] = {0.04, both(square((2 - 1.5) / (2 + 1.5)), square((2.0 - 1) / (2 + 1)))};
-    const vec3_f64 remains = {0.25, 0.5, 0.875};
-    fathom_material tinted = clear(1.5, 2);
-    tinted.attenuation_distance = 1;
-    build_rgb(tinted.attenuation_color, remains);
-    overlap(room, tinted, 2);
-    law_value(room, law_each(remains, from_slabs, reflected));
+    overlap(room, law_tinted(clear(1.5, 2)), 2);
+    law_value(room, law_each(law_left, from_slabs, reflected));
 }
 
 /* The clear slab has the higher priority and fills the overlap, so light is absorbed over a distance of 1. */
@@ -210,15 +206,11 @@ static double through_slabs(double remains, const double *reflected) {
 
 static void overlap_absorbs(law_room *room) {
     static const double reflected[1] = {0.04};
-    const vec3_f64 remains = {0.25, 0.5, 0.875};
-    fathom_material tinted = clear(1.5, 1);
-    tinted.attenuation_distance = 1;
-    build_rgb(tinted.attenuation_color, remains);
     slab(room, -1, -2, clear(1.5, 2));
-    slab(room, -1.5, -3, tinted);
+    slab(room, -1.5, -3, law_tinted(clear(1.5, 1)));
     paint_plane(&room->b, vec_f64(0, 0, -4), up, build_emitter(white));
     law_look(room, origin, down);
-    law_value(room, law_each(remains, through_slabs, reflected));
+    law_value(room, law_each(law_left, through_slabs, reflected));
 }
 
 const law laws_of_layers[] = {

@@ -121,20 +121,14 @@ static void disk_squeezed(law_room *room) {
 
 /* ---- spheres ---- */
 
-static void sphere_above(law_room *room) {
-    const double R = 0.5, d = 2, angle = 0.6;
-    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, lamp());
-    floor_under(room, R / d * (R / d) * cos(angle));
-}
+static void sphere_above(law_room *room) { floor_under(room, law_ball(room, lamp())); }
 
 /* A ray from the floor crosses half of the surface twice; scattered rays alone find the far side. */
 static void sphere_half_there(law_room *room) {
-    const double R = 0.5, d = 2, angle = 0.6;
     fathom_material m = law_metallic();
     for (int c = 0; c < 3; ++c) m.base_color[c] = 0, m.emissive[c] = 1;
     m.specular_factor = 0, m.opacity = 0.5f;
-    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, m);
-    floor_under(room, 0.75 * (R / d * (R / d) * cos(angle)));
+    floor_under(room, 0.75 * law_ball(room, m));
 }
 
 static void sphere_cut(law_room *room) {
@@ -158,7 +152,7 @@ static void sphere_before_wall(law_room *room) {
 static void point_over_floor(law_room *room) {
     const vec3_f64 at = {1, 0.5, 2};
     const double d2 = dot_f64(at, at);
-    law_point_light(room, at, 5, room->number);
+    build_point_light(&room->b, at, gray(5), room->number);
     floor_under(room, 5 * at.z / (d2 * sqrt(d2)));
 }
 
@@ -185,13 +179,9 @@ static void sun_in_mirror(law_room *room) {
 static void lamp_in_mirror(law_room *room, fathom_light_type type, vec3_f64 value) {
     const vec3_f64 from = {-0.48, -0.64, 0.6}, to = {0.48, 0.64, 0.6}, at = {0, 0, 0.25};
     fathom_material mirror = build_black();
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = type, light.radius = 0.5f;
+    fathom_light light = build_light_of(type, madd_f64(at, 2, to), down, gray(1.5));
+    light.radius = 0.5f;
     light.inner_angle = 0.2f, light.outer_angle = 1.2f;
-    store_f64(light.position, madd_f64(at, 2, to));
-    store_f64(light.direction, down);
-    build_rgb(light.intensity, gray(1.5));
     build_light(&room->b, &light);
     build_rgb(mirror.k_r, albedo);
     paint_plane(&room->b, at, up, mirror);
@@ -210,10 +200,9 @@ static void spot_in_mirror(law_room *room) {
 
 /* In a volume: 1 to the mirror, and 2 - R to the lamp's sphere. */
 static void ball_in_coloured_mirror(law_room *room) {
-    const vec3_f64 left = {0.25, 0.5, 0.875};
-    fathom_material m = law_clear(1);
-    m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
-    build_rgb(m.attenuation_color, left);
+    const vec3_f64 left = law_left;
+    fathom_material m = law_tinted(law_clear(1));
+    m.specular_factor = 0, m.ior = 1;
     paint_sphere(&room->b, origin, 16, m);
     lamp_in_mirror(room, FATHOM_LIGHT_POINT,
                    scale_f64(1.5 / 0.25, vec_f64(pow(left.x, 2.5), pow(left.y, 2.5), pow(left.z, 2.5))));
@@ -224,7 +213,7 @@ static void many_points(law_room *room) {
     for (int i = 0; i < 40; ++i) {
         const vec3_f64 at = {1 + 0.25 * i, 0.5 * (i % 5), 1 + 0.5 * (i % 3)};
         const double d2 = dot_f64(at, at), k = i % 7 ? 0.1 : 4;
-        law_point_light(room, at, k, 0);
+        build_point_light(&room->b, at, gray(k), 0);
         sum += k * at.z / (d2 * sqrt(d2));
     }
     floor_under(room, sum);
@@ -235,7 +224,7 @@ static void several(law_room *room) {
     const double R = 0.5, d = 2, angle = 0.6;
     sun_over_floor(room);
     paint_sphere(&room->b, vec_f64(0, d * sin(angle), d * cos(angle)), R, lamp());
-    law_point_light(room, vec_f64(1, 0, 1), 2, 0);
+    build_point_light(&room->b, vec_f64(1, 0, 1), gray(2), 0);
     build_background(&room->b, gray(0.25));
     law_value(room, scale_f64(1 + 0.75 * R / d * (R / d) * cos(angle) + 2 / sqrt(8) + 0.25, albedo));
 }

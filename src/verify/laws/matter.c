@@ -174,14 +174,12 @@ static double through_ball(double remains, const double *unused) {
 }
 
 static void absorbing_ball(law_room *room) {
-    const vec3_f64 remains = {0.25, 0.5, 0.875};
-    fathom_material m = law_clear(1);
-    m.specular_factor = 0, m.ior = 1, m.attenuation_distance = 1;
-    build_rgb(m.attenuation_color, remains);
+    fathom_material m = law_tinted(law_clear(1));
+    m.specular_factor = 0, m.ior = 1;
     paint_sphere(&room->b, origin, 1, m);
     build_background(&room->b, white);
     law_look_down(room, 1000, 2);
-    law_value(room, law_each(remains, through_ball, NULL));
+    law_value(room, law_each(law_left, through_ball, NULL));
 }
 
 /* ---- coverage: a black sheet with coverage 1/4, between a floor and the sun ---- */
@@ -215,19 +213,16 @@ static void sky_through_sheets(law_room *room) {
 }
 
 static void lamp_behind_sheets(law_room *room) {
-    const double R = 0.5, d = 2, angle = 0.6;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
     paint_plane(&room->b, vec_f64(0, 0, 0.5), up, sheet());
     paint_plane(&room->b, vec_f64(0, 0, 0.75), up, sheet());
-    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, build_emitter(white));
     law_look(room, vec_f64(-0.5, -0.4, 0.4), origin);
-    law_value(room, scale_f64(0.75 * 0.75 * R / d * (R / d) * cos(angle), albedo));
+    law_value(room, scale_f64(0.75 * 0.75 * law_ball(room, build_emitter(white)), albedo));
 }
 
 /* Clear thin walls tint light that passes them straight, from light samples and from BSDF samples. They are
  * no bounces either. */
 static void lamp_behind_panes(law_room *room) {
-    const double R = 0.5, d = 2, angle = 0.6;
     const vec3_f64 tint = {0.75, 0.5, 0.25};
     fathom_material m = law_clear(0);
     m.specular_factor = 0;
@@ -235,11 +230,10 @@ static void lamp_behind_panes(law_room *room) {
     paint_plane(&room->b, origin, up, build_lambert(albedo));
     paint_plane(&room->b, vec_f64(0, 0, 0.5), up, m);
     paint_plane(&room->b, vec_f64(0, 0, 0.75), up, m);
-    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, build_emitter(white));
     law_look(room, vec_f64(-0.5, -0.4, 0.4), origin);
     const vec3_f64 left = {tint.x * tint.x * albedo.x, tint.y * tint.y * albedo.y,
                            tint.z * tint.z * albedo.z};
-    law_value(room, scale_f64(R / d * (R / d) * cos(angle), left));
+    law_value(room, scale_f64(law_ball(room, build_emitter(white)), left));
     room->depth = 1;
 }
 
@@ -250,7 +244,7 @@ static void no_shadow(law_room *room) {
     paint_plane(&room->b, up, up, build_black());
     room->b.flags = 0;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
-    law_point_light(room, vec_f64(0, 0, 2), 4, 0.5);
+    build_point_light(&room->b, vec_f64(0, 0, 2), gray(4), 0.5);
     paint_sphere(&room->b, vec_f64(0, 0, 3), 1, build_emitter(white));
     build_background(&room->b, white);
     law_look(room, vec_f64(0.5, 0, 0.5), origin);
@@ -268,7 +262,7 @@ static void lens(law_room *room) {
                build_emitter(white));
     fathom_camera camera = build_view(vec_f64(0, 0, focus), origin, 1);
     camera.d = 1, camera.h = 1.0 / 4096, camera.lens_radius = radius, camera.focus_distance = focus;
-    build_camera(&room->b, &camera);
+    build_camera(&room->b, camera);
     law_value(room, gray(fabs(x) < 1 ? (acos(x) - x * sqrt(1 - x * x)) / M_PI : 0));
 }
 

@@ -20,7 +20,7 @@ static void look_at_edge(law_room *room, const double *key_times, const double *
     fathom_camera camera = build_view(vec_f64(0, 0, 4), origin, 1);
     camera.d = 1, camera.h = 0.25, camera.shutter[0] = 2, camera.shutter[1] = 3;
     camera.key_count = key_times ? 2 : 0, camera.key_times = key_times, camera.key_frames = key_frames;
-    build_camera(&room->b, &camera);
+    build_camera(&room->b, camera);
     build_background(&room->b, white);
     law_value(room, gray(1 - (trapezoid(to) - trapezoid(from)) / (to - from)));
 }
@@ -98,7 +98,7 @@ static void moving_body(law_room *room) {
     move_group(room, group, maps);
     fathom_camera camera = build_view(vec_f64(3, -2, 4), origin, 0.1);
     camera.shutter[1] = 4;
-    build_camera(&room->b, &camera);
+    build_camera(&room->b, camera);
     build_background(&room->b, white);
     law_value(room, gray(albedo));
 }
@@ -110,7 +110,7 @@ static void floor_under(law_room *room, double share) {
     const vec3_f64 albedo = {1, 0.5, 0.2};
     fathom_camera camera = build_view(vec_f64(-1, -0.8, 0.7), origin, 1);
     camera.d = 1, camera.h = 1.0 / 4096, camera.shutter[1] = 4;
-    build_camera(&room->b, &camera);
+    build_camera(&room->b, camera);
     room->b.group = FATHOM_ROOT;
     paint_plane(&room->b, origin, up, build_lambert(albedo));
     room->depth = 2;

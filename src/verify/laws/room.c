@@ -21,8 +21,6 @@ void law_close(law_room *room) {
     if (room->sky[0]) unlink(room->sky);
 }
 
-/* ---- materials ---- */
-
 fathom_material law_metallic(void) {
     fathom_material m;
     fathom_material_default(&m);
@@ -31,8 +29,6 @@ fathom_material law_metallic(void) {
     m.multiscatter = false;
     return m;
 }
-
-/* ---- shapes ---- */
 
 void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m) {
     float *positions = malloc(3 * (size_t)count * sizeof *positions);
@@ -65,12 +61,6 @@ void law_box(law_room *room, bool meshes, fathom_material m) {
         else
             paint_quad(&room->b, c, u, v, m);
     }
-}
-
-/* ---- light, the camera, the value ---- */
-
-void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius) {
-    build_point_light(&room->b, at, gray(intensity), radius);
 }
 
 static vec3_f64 sky_direction(uint32_t x, uint32_t y, uint32_t width, uint32_t height) {
@@ -119,7 +109,7 @@ void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction)) {
 static void set_camera(law_room *room, vec3_f64 eye, vec3_f64 target, double slope) {
     fathom_camera camera = build_view(eye, target, 1);
     camera.d = 1, camera.h = slope;
-    build_camera(&room->b, &camera);
+    build_camera(&room->b, camera);
 }
 
 void law_look(law_room *room, vec3_f64 eye, vec3_f64 target) { set_camera(room, eye, target, 1.0 / 4096); }
@@ -139,8 +129,6 @@ double law_powers(double x, int from, int to) {
 vec3_f64 law_each(vec3_f64 rho, double (*of)(double rho, const double *numbers), const double *numbers) {
     return vec_f64(of(rho.x, numbers), of(rho.y, numbers), of(rho.z, numbers));
 }
-
-/* ---- shared by several laws ---- */
 
 /* The part of the polygon with z > 0; `out` has room for twice as many corners. */
 static uint32_t above_floor(const vec3_f64 *p, uint32_t count, vec3_f64 *out) {
@@ -176,6 +164,12 @@ void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value) 
     law_value(room, value);
 }
 
+double law_ball(law_room *room, fathom_material m) {
+    const double R = 0.5, d = 2, angle = 0.6;
+    paint_sphere(&room->b, vec_f64(d * sin(angle), 0, d * cos(angle)), R, m);
+    return R / d * (R / d) * cos(angle);
+}
+
 void law_unseen_ball(law_room *room, fathom_material m) {
     paint_sphere(&room->b, origin, 1, m);
     build_background(&room->b, white);
@@ -186,6 +180,12 @@ void law_unseen_ball(law_room *room, fathom_material m) {
 fathom_material law_clear(double thickness) {
     fathom_material m = law_metallic();
     m.transmission = m.specular_factor = 1, m.thickness = (float)thickness;
+    return m;
+}
+
+fathom_material law_tinted(fathom_material m) {
+    m.attenuation_distance = 1;
+    build_rgb(m.attenuation_color, law_left);
     return m;
 }
 

@@ -36,7 +36,6 @@ fathom_material law_metallic(void);
 void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m);
 /* The six sides of the box with corners ±1; as quads, or as meshes. */
 void law_box(law_room *room, bool meshes, fathom_material m);
-void law_point_light(law_room *room, vec3_f64 at, double intensity, double radius);
 /* Adds an environment light with this radiance, as an image of 1024 x 512 pixels. */
 void law_sky(law_room *room, vec3_f64 (*radiance)(vec3_f64 direction));
 /* A camera that looks at one point. The image height is 1/4096 of the distance. */
@@ -52,10 +51,15 @@ double law_powers(double x, int from, int to);
 double law_polygon(const vec3_f64 *corners, uint32_t count);
 /* Measures the reflectance of a material at the origin under a uniform sky, seen from `from`. */
 void law_lobe(law_room *room, fathom_material m, vec3_f64 from, vec3_f64 value);
+/* Adds a ball of radius 0.5 at a distance of 2 from the origin, 0.6 radians off the z axis. Returns (R/d)²
+ * cos θ, the irradiance at the origin if it emits 1, divided by pi. */
+double law_ball(law_room *room, fathom_material m);
 /* A ball of a lossless material in a uniform sky: it must be invisible. */
 void law_unseen_ball(law_room *room, fathom_material m);
 /* A metallic-roughness material: a clear volume with a reflecting surface. */
 fathom_material law_clear(double thickness);
+/* The material with an absorbing volume: `law_left` of the light is left after a distance of 1. */
+fathom_material law_tinted(fathom_material m);
 /* Directional albedo of GGX with roughness ax, ay along x and y and F = 1, for the view direction v. */
 double law_ggx_albedo(double ax, double ay, vec3_f64 v);
 /* Applies a formula to the albedo of each channel. */

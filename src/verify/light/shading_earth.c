@@ -54,13 +54,9 @@ static void add_shapes(demo *d) {
 
 static void add_lights(demo *d) {
     build_point_light(&d->s.b, at(d, -3, 5, 3), vec_f64(22, 20, 17), 0);
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_SPOT;
-    store_f64(light.position, at(d, 4, 5, 2));
-    store_f64(light.direction, (vec3_f64){-3.5, -5, -1.5});
+    fathom_light light =
+        build_light_of(FATHOM_LIGHT_SPOT, at(d, 4, 5, 2), vec_f64(-3.5, -5, -1.5), vec_f64(20, 20, 20));
     light.inner_angle = 0.3f, light.outer_angle = 0.5f;
-    light.intensity[0] = light.intensity[1] = light.intensity[2] = 20;
     build_light(&d->s.b, &light);
     build_directional_light(&d->s.b, vec_f64(0.3, -1, -0.6), vec_f64(0.25, 0.25, 0.25), 0);
 }
@@ -68,8 +64,7 @@ static void add_lights(demo *d) {
 static void set_view(demo *d) {
     studio *s = &d->s;
     static const float ambient[3] = {0.12f, 0.12f, 0.12f};
-    const fathom_camera camera = build_view(at(d, 0.8, 2.3, 7), at(d, 0.1, 0.8, 0), d->field);
-    build_camera(&s->b, &camera);
+    build_camera(&s->b, build_view(at(d, 0.8, 2.3, 7), at(d, 0.1, 0.8, 0), d->field));
     build_background(&s->b, vec_f64(0.35, 0.45, 0.6));
     if (s->b.status == FATHOM_OK) s->b.status = fathom_scene_set_ambient(s->b.scene, ambient);
     s->settings.width = WIDTH, s->settings.height = HEIGHT;

@@ -90,10 +90,7 @@ static void spot(studio *s, double outer, spot_kind kind) {
               .field = 2 * tan(fmin(1.25 * outer, tilted ? 0.5 : 1.2))};
     studio_begin(s, PIXELS);
     paint_plane(&s->b, zero, up, build_lambert(vec_f64(1, 1, 1)));
-    fathom_light light;
-    fathom_light_default(&light);
-    light.type = FATHOM_LIGHT_SPOT;
-    store_f64(light.position, up), store_f64(light.direction, c.axis);
+    fathom_light light = build_light_of(FATHOM_LIGHT_SPOT, up, c.axis, vec_f64(1, 1, 1));
     light.inner_angle = kind == SPOT_HARD ? (float)(0.9999 * outer) : 0, light.outer_angle = (float)outer;
     build_light(&s->b, &light);
     studio_camera(s, up, c.axis, c.aside, c.field);

@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- running ---- */
-
 fathom_status shading_group(fathom_context *context, const shading_options *options, unsigned group,
                             shading_rows *out) {
     static void (*const groups[SHADING_GROUPS])(studio *) = {
@@ -43,16 +41,12 @@ void studio_begin(studio *s, uint32_t width) {
     if (s->b.status == FATHOM_OK) build_open(s->b.context, &s->b);
 }
 
-/* ---- materials ---- */
-
 fathom_material studio_glass(float ior) {
     fathom_material m = build_black();
     m.k_t[0] = m.k_t[1] = m.k_t[2] = 1;
     m.ior = ior;
     return m;
 }
-
-/* ---- lights, camera ---- */
 
 void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, double width) {
     fathom_camera camera;
@@ -61,14 +55,12 @@ void studio_camera(studio *s, vec3_f64 eye, vec3_f64 view, vec3_f64 across, doub
     store_f64(camera.origin, eye), store_f64(camera.x, across);
     store_f64(camera.y, y), store_f64(camera.z, z);
     camera.d = 1, camera.w = width, camera.h = width / s->settings.width;
-    build_camera(&s->b, &camera);
+    build_camera(&s->b, camera);
 }
 
 vec3_f64 studio_direction(const studio *s, vec3_f64 view, vec3_f64 across, double width, uint32_t i) {
     return normalize_f64(madd_f64(view, ((i + 0.5) / s->settings.width - 0.5) * width, across));
 }
-
-/* ---- the image and its rows ---- */
 
 uint32_t studio_render(studio *s) {
     static const char *const names[3] = {"R", "G", "B"};

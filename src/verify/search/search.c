@@ -53,8 +53,6 @@ oracle_primitive search_primitive(const world *w, uint32_t geometry, uint32_t pr
     return p;
 }
 
-/* ---- life ---- */
-
 static MODE_APART bool prepare(search *s) { return search_tree_build(s->world, &s->tree); }
 
 fathom_status search_create(fathom_context *context, const world *w, search **out) {

@@ -130,8 +130,6 @@ static bool sort(const world *w, uint32_t geometry, uint32_t *order) {
     return true;
 }
 
-/* ---- all ---- */
-
 /* Assigns slots to the levels of each part. Returns the total number of spheres. */
 static size_t lay_out(const world *w, search_tree *tree) {
     size_t slots = 0;

@@ -131,9 +131,9 @@ static bool trim(const judge *j, const search_hit *hit, const verdict_bound *bou
  * never is (trace/stretch.h). */
 static bool is_clamped(const judge *j, const oracle_primitive *p) {
     if (!p->instance) return false;
-    oracle_ray ray = *j->ray;
-    ray.dir = narrow(normalize_f64(widen(ray.dir)));
-    vec3_f32 d = verdict_object_direction(&ray, p);
+    const affine_f64 to_object = affine_widen(p->instance->to_object);
+    const vec3_f32 unit = narrow(normalize_f64(widen(j->ray->dir)));
+    const vec3_f32 d = narrow(affine_vector(&to_object, widen(unit)));
     double clamped = j->tracer->clamped, least = clamped / j->tracer->unit;
     double part[3] = {fabs((double)d.x), fabs((double)d.y), fabs((double)d.z)};
     double most = fmax(part[0], fmax(part[1], part[2])), small = fmin(part[0], fmin(part[1], part[2]));

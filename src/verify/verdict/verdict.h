@@ -100,9 +100,6 @@ bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_r
  * flushed denormals. */
 double verdict_rounding(const verdict_tracer *tracer, double t);
 
-/* The ray's direction in the primitive's space. */
-vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *primitive);
-
 /* Like verdict_bound_of(), and also sets `weight` and `normal`, for a hit that lies on the primitive. */
 verdict_bound verdict_bound_all(const verdict_tracer *tracer, const oracle_ray *ray,
                                 const oracle_primitive *primitive, const oracle_answer *answer);

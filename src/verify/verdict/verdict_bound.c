@@ -322,12 +322,6 @@ bool verdict_beyond(const verdict_tracer *tracer, const world *w, const oracle_r
     return largest_corner(p) > tracer->largest || origin_beyond(w, ray->org, tracer->largest);
 }
 
-vec3_f32 verdict_object_direction(const oracle_ray *ray, const oracle_primitive *p) {
-    if (!p->instance) return ray->dir;
-    const affine_f64 to_object = affine_widen(p->instance->to_object);
-    return narrow(affine_vector(&to_object, widen(ray->dir)));
-}
-
 bool verdict_in_plane(const verdict_tracer *tracer, const oracle_ray *ray, const oracle_primitive *p) {
     if (p->shape == ORACLE_SPHERE) return false;
     frame f = frame_of(tracer, ray, p->instance);
