@@ -183,7 +183,7 @@ static void put_words(file_writer *t, const char *words, uint32_t bits) {
 
 static void put_value(file_writer *t, const form *f, const form_key *key, const void *values,
                       const void *usual, note_list *notes) {
-    const char *value = (const char *)values + key->offset, *comma = "";
+    const char *value = (const char *)values + key->offset;
     uint32_t word;
     switch (key->kind) {
     case FORM_BOOL: file_writer_print(t, *(const bool *)value ? "true" : "false"); break;
@@ -203,7 +203,7 @@ static void put_value(file_writer *t, const form *f, const form_key *key, const 
     case FORM_TAG: write_quoted(t, f->name); break;
     case FORM_OBJECT:
         file_writer_print(t, "{");
-        form_put(t, key->form, value, (const char *)usual + key->offset, &comma, notes);
+        form_put(t, key->form, value, (const char *)usual + key->offset, notes);
         file_writer_print(t, "}");
         break;
     case FORM_ROWS:
@@ -213,16 +213,16 @@ static void put_value(file_writer *t, const form *f, const form_key *key, const 
     }
 }
 
-void form_put(file_writer *t, const form *f, const void *values, const void *usual, const char **comma,
-              note_list *notes) {
+void form_put(file_writer *t, const form *f, const void *values, const void *usual, note_list *notes) {
+    const char *comma = "";
     for (const form_key *const *part = f->parts; *part; ++part) {
         for (const form_key *key = *part; key->name; ++key) {
             const bool listed = key->kind >= FORM_ROWS;
             const bool given = key->required || key->kind == FORM_TAG || differs(key, values, usual);
             if (listed || !given || !has_needed(f, key, values, usual)) continue;
-            file_writer_print(t, "%s\"%s\":", *comma, key->name);
+            file_writer_print(t, "%s\"%s\":", comma, key->name);
             put_value(t, f, key, values, usual, notes);
-            *comma = ",";
+            comma = ",";
         }
     }
 }

@@ -5,12 +5,11 @@
 #include "read/json/json_form.h"
 #include "read/mesh/text.h"
 
-/* Writes the members of `values` that differ from `usual`, and the required ones. A comma precedes each
- * member, except the first if `*comma` is "". The caller writes lists, maps and rows. Keys are skipped if a
- * key that they need is not written, because they have no effect without it. Numbers that the reader would
- * refuse become the nearest that it takes, with a note. */
-void form_put(file_writer *t, const form *f, const void *values, const void *usual, const char **comma,
-              note_list *notes);
+/* Writes the members of `values` that differ from `usual`, and the required ones, with commas between them.
+ * The caller writes lists, maps and rows. Keys are skipped if a key that they need is not written, because
+ * they have no effect without it. Numbers that the reader would refuse become the nearest that it takes, with
+ * a note. */
+void form_put(file_writer *t, const form *f, const void *values, const void *usual, note_list *notes);
 /* The value of one key of numbers. */
 void form_put_numbers(file_writer *t, const form_key *key, const void *value, note_list *notes);
 /* The nearest number that the reader takes; with `single`, the nearest float. */

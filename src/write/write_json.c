@@ -26,6 +26,13 @@ void json_put_matrix(file_writer *t, const double rows[12]) {
     file_writer_print(t, "]");
 }
 
+/* An object whose members all have a key in the form. */
+static void put_members(const json_out *o, const form *f, const void *values, const void *usual) {
+    file_writer_print(o->stream.file, "{");
+    form_put(o->stream.file, f, values, usual, o->notes);
+    file_writer_print(o->stream.file, "}");
+}
+
 static form_frame_values frame_of(const double rows[12]) {
     form_frame_values f;
     for (int i = 0; i < 3; ++i) {
@@ -41,10 +48,8 @@ static void put_camera_keys(const json_out *o, const fathom_camera *c) {
     for (uint32_t k = 0; k < c->key_count; ++k) {
         const form_camera_values key = {.frame = frame_of(c->key_frames + (size_t)12 * k),
                                         .time = c->key_times[k]};
-        const char *comma = "";
-        file_writer_print(t, k ? ",{" : ",\"motion\":[{");
-        form_put(t, &form_camera_key, &key, &usual, &comma, o->notes);
-        file_writer_print(t, "}");
+        file_writer_print(t, k ? "," : ",\"motion\":[");
+        put_members(o, &form_camera_key, &key, &usual);
     }
     if (c->key_count) file_writer_print(t, "]");
 }
@@ -53,7 +58,6 @@ static void put_camera(json_out *o) {
     const fathom_scene *scene = o->scene;
     const fathom_camera *c = &scene->camera;
     file_writer *t = o->stream.file;
-    const char *comma = "";
     form_camera_values usual = {.up = {0}}, v = {.d = c->d,
                                                  .h = c->h,
                                                  .w = c->w,
@@ -71,7 +75,7 @@ static void put_camera(json_out *o) {
     memcpy(v.shutter, c->shutter, sizeof v.shutter);
     if (scene->has_shutter || c->key_count) usual.shutter[0] = NAN;
     file_writer_print(t, ",\n\"camera\":{");
-    form_put(t, &form_camera, &v, &usual, &comma, o->notes);
+    form_put(t, &form_camera, &v, &usual, o->notes);
     put_camera_keys(o, c);
     file_writer_print(t, "}");
 }
@@ -81,12 +85,10 @@ static void put_camera(json_out *o) {
 static void put_image(json_out *o) {
     const fathom_settings *s = &o->scene->settings;
     fathom_settings usual = write_usual_settings(o->scene);
-    const char *comma = "";
     if (usual.width != s->width || usual.height != s->height) usual.width = usual.height = 0;
     if (usual.spp != s->spp || usual.pattern != s->pattern) usual.target_error = NAN;
-    file_writer_print(o->stream.file, ",\n\"image\":{");
-    form_put(o->stream.file, &form_image, s, &usual, &comma, o->notes);
-    file_writer_print(o->stream.file, "}");
+    file_writer_print(o->stream.file, ",\n\"image\":");
+    put_members(o, &form_image, s, &usual);
 }
 
 /* ---- materials ---- */
@@ -110,8 +112,6 @@ static void set_texture(const json_out *o, const fathom_map *map, int kind, form
 
 static void put_material(const json_out *o, fathom_id id) {
     const fathom_material *m = &o->scene->materials.items[id].value;
-    const form *f = form_variant(&form_material, (int)m->model);
-    const char *comma = "";
     form_material_values v, usual;
     memset(&usual, 0, sizeof usual);
     fathom_material_default(&usual.material);
@@ -126,9 +126,7 @@ static void put_material(const json_out *o, fathom_id id) {
     for (int k = 0; k < FATHOM_MAPS; ++k) {
         if (m->maps[k].texture != FATHOM_NONE) set_texture(o, &m->maps[k], k, &v.textures[k]);
     }
-    file_writer_print(o->stream.file, "{");
-    form_put(o->stream.file, f, &v, &usual, &comma, o->notes);
-    file_writer_print(o->stream.file, "}");
+    put_members(o, form_variant(&form_material, (int)m->model), &v, &usual);
 }
 
 /* Every scene has material 0, but no key names it: it is written only for instances that replace others by
@@ -169,7 +167,6 @@ static void put_light(const json_out *o, const fathom_light *light, fathom_id id
     const bool sky = light->type == FATHOM_LIGHT_ENVIRONMENT;
     const form_light_values usual = {.color = {1, 1, 1}, .intensity = 1, .up = {0, 1, 0}};
     form_light_values v = {.name = light->name, .intensity = 1, .radius = light->radius, .file = file};
-    const char *comma = "";
     memcpy(v.color, light->intensity, sizeof v.color);
     memcpy(v.position, light->position, sizeof v.position);
     memcpy(v.direction, light->direction, sizeof v.direction);
@@ -179,9 +176,7 @@ static void put_light(const json_out *o, const fathom_light *light, fathom_id id
     v.rotation = degrees(light->rotation);
     memcpy(v.up, light->up, sizeof v.up);
     v.group = json_light_group(o->scene, sky ? FATHOM_SOURCE_ENVIRONMENT : FATHOM_SOURCE_LIGHT, id);
-    file_writer_print(o->stream.file, "{");
-    form_put(o->stream.file, form_variant(&form_light, (int)light_id(light)), &v, &usual, &comma, o->notes);
-    file_writer_print(o->stream.file, "}");
+    put_members(o, form_variant(&form_light, (int)light_id(light)), &v, &usual);
 }
 
 static void put_lights(const json_out *o) {

@@ -171,7 +171,6 @@ static unsigned set_shape(const fathom_scene *scene, const scene_object *object,
 static fathom_status put_object(json_out *o, fathom_id id, const char **comma) {
     const scene_object *object = &o->scene->objects.items[id];
     const fathom_id material = scene_object_material(o->scene, id);
-    const char *separator = "";
     fathom_status status = FATHOM_OK;
     char numbered[SCENE_NUMBERED];
     form_object_values v = usual;
@@ -180,8 +179,7 @@ static fathom_status put_object(json_out *o, fathom_id id, const char **comma) {
     v.light_group = json_light_group(o->scene, FATHOM_SOURCE_OBJECT, id);
     v.casts_shadow = !(set_shape(o->scene, object, &v) & FATHOM_CASTS_NO_SHADOW);
     file_writer_print(o->stream.file, "%s\n{", *comma);
-    form_put(o->stream.file, form_variant(&form_object, (int)object_id(object->kind)), &v, &usual, &separator,
-             o->notes);
+    form_put(o->stream.file, form_variant(&form_object, (int)object_id(object->kind)), &v, &usual, o->notes);
     if (object->kind == SCENE_MESH) status = put_mesh(o, id, &o->scene->meshes.items[object->index]);
     file_writer_print(o->stream.file, "}");
     *comma = ",";
@@ -200,7 +198,6 @@ static void put_motion(file_writer *t, const fathom_instance *instance) {
 }
 
 static void put_instance(json_out *o, const fathom_instance *instance, const char **comma) {
-    const char *separator = "";
     form_object_values v = usual;
     v.material = instance->material != FATHOM_NONE ? o->materials[instance->material] : NULL;
     v.name = instance->name;
@@ -208,7 +205,7 @@ static void put_instance(json_out *o, const fathom_instance *instance, const cha
     for (int i = 0; i < 12 && !instance->key_count; ++i)
         v.place.matrix[i % 4 * 4 + i / 4] = instance->transform[i];
     file_writer_print(o->stream.file, "%s\n{", *comma);
-    form_put(o->stream.file, form_variant(&form_object, FORM_INSTANCE), &v, &usual, &separator, o->notes);
+    form_put(o->stream.file, form_variant(&form_object, FORM_INSTANCE), &v, &usual, o->notes);
     put_motion(o->stream.file, instance);
     file_writer_print(o->stream.file, "}");
     *comma = ",";

@@ -12,8 +12,6 @@
 
 static float largest(const float rgb[3]) { return fmaxf(rgb[0], fmaxf(rgb[1], rgb[2])); }
 
-static bool is_black(const float rgb[3]) { return !(largest(rgb) > 0); }
-
 static void give(mtl_entry *e, int kind, double number) {
     *mtl_value(e, kind) = number;
     e->given |= 1u << kind;
@@ -28,11 +26,11 @@ static void give_color(mtl_entry *e, int kind, const float rgb[3], double factor
 
 /* Without the values that have no effect. */
 static fathom_material settled(fathom_material m) {
-    if (m.specular == FATHOM_SPECULAR_NONE || is_black(m.k_s))
+    if (m.specular == FATHOM_SPECULAR_NONE || write_is_black(m.k_s))
         m.specular = FATHOM_SPECULAR_NONE, m.shininess = 0, memset(m.k_s, 0, sizeof m.k_s);
     if (m.fresnel && m.ior == 1) m.fresnel = false, memset(m.k_r, 0, sizeof m.k_r);
-    if (is_black(m.k_r) && is_black(m.k_t)) m.fresnel = false;
-    if (is_black(m.k_t) && !m.fresnel) m.ior = 1;
+    if (write_is_black(m.k_r) && write_is_black(m.k_t)) m.fresnel = false;
+    if (write_is_black(m.k_t) && !m.fresnel) m.ior = 1;
     if (m.k_a[0] < 0) memcpy(m.k_a, m.k_d, sizeof m.k_a);
     return m;
 }
@@ -40,8 +38,8 @@ static fathom_material settled(fathom_material m) {
 /* 1 Lambert, 2 with highlight, 3 with highlight and mirror, 5 the same with Fresnel's law, 6 glass, 7 glass
  * with Fresnel's law, 9 glass without refraction. */
 static int illumination(const fathom_material *m) {
-    if (!is_black(m->k_t)) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
-    if (!is_black(m->k_r)) return m->fresnel ? 5 : 3;
+    if (!write_is_black(m->k_t)) return m->fresnel ? 7 : m->ior == 1 ? 9 : 6;
+    if (!write_is_black(m->k_r)) return m->fresnel ? 5 : 3;
     return m->specular == FATHOM_SPECULAR_NONE ? 1 : 2;
 }
 
@@ -54,7 +52,7 @@ static mtl_entry classic_entry(const fathom_material *m) {
     give_color(&e, MTL_KD, m->k_d, 1 / left);
     if (memcmp(m->k_a, m->k_d, sizeof m->k_a) != 0) give_color(&e, MTL_KA, m->k_a, 1 / left);
     give_color(&e, MTL_KS, illum >= 3 ? m->k_r : m->k_s, 1);
-    if (!is_black(m->k_e)) give_color(&e, MTL_KE, m->k_e, 1);
+    if (!write_is_black(m->k_e)) give_color(&e, MTL_KE, m->k_e, 1);
     if (m->specular != FATHOM_SPECULAR_NONE) give(&e, MTL_NS, (double)(float)write_blinn_exponent(m));
     if (illum >= 5) give(&e, MTL_NI, (double)m->ior);
     if (glass) give_color(&e, MTL_TF, m->k_t, 1);
@@ -91,7 +89,7 @@ static mtl_entry emission_entry(const fathom_material *m) {
 static mtl_entry metallic_entry(const fathom_material *m, bool flips) {
     mtl_entry e = {.d = 1};
     give_color(&e, MTL_KD, m->base_color, 1);
-    if (!is_black(m->emissive)) give_color(&e, MTL_KE, m->emissive, 1);
+    if (!write_is_black(m->emissive)) give_color(&e, MTL_KE, m->emissive, 1);
     give(&e, MTL_PR, (double)m->roughness);
     give(&e, MTL_PM, (double)m->metallic);
     give(&e, MTL_PC, (double)m->clearcoat);
@@ -213,8 +211,8 @@ static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool colo
  * no place. */
 static bool shows(const fathom_material *m, fathom_map_kind kind) {
     const bool classic = m->model == FATHOM_MODEL_CLASSIC;
-    if (kind == FATHOM_MAP_EMISSIVE) return !is_black(classic ? m->k_e : m->emissive);
-    if (kind == FATHOM_MAP_COLOR) return classic ? !is_black(m->k_d) : !material_only_emits(m);
+    if (kind == FATHOM_MAP_EMISSIVE) return !write_is_black(classic ? m->k_e : m->emissive);
+    if (kind == FATHOM_MAP_COLOR) return classic ? !write_is_black(m->k_d) : !material_only_emits(m);
     return true;
 }
 
@@ -235,8 +233,6 @@ static void put_images(const write_library *l, file_writer *t, const fathom_mate
                   "an image that MTL has no place for, by its parameter, its turn, its uv set "
                   "or its wrapping, is left out");
 }
-
-/* ---- file ---- */
 
 fathom_status write_mtl(const write_library *l, const char *path) {
     file_writer *file;
