@@ -103,11 +103,11 @@ static inline uint32_t wave_square_pixels(const wave_region *r, const wave_squar
 }
 
 /* The squares that hold pixels of the region, as bits. */
-static inline uint64_t wave_region_bits(const wave_region *r) {
+static inline uint64_t wave_region_bits(wave_region r) {
     uint64_t bits = 0;
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) {
-        const wave_square q = wave_square_at(r, s);
-        bits |= (uint64_t)(q.left < r->x1 && q.left + 4 > r->x0 && q.top < r->y1 && q.top + 4 > r->y0) << s;
+        const wave_square q = wave_square_at(&r, s);
+        bits |= (uint64_t)(q.left < r.x1 && q.left + 4 > r.x0 && q.top < r.y1 && q.top + 4 > r.y0) << s;
     }
     return bits;
 }

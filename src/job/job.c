@@ -79,7 +79,7 @@ static work_unit unit_of(const job *j, const wave_region *region) {
     const wave_share *share = j->options->share;
     const checkpoint *saving = j->options->saving;
     work_unit u = {.wave = wave_grid_at(&j->grid, region->left, region->top)};
-    if (!share || share->wants(share->user, u.wave)) u.squares = wave_region_bits(region);
+    if (!share || share->wants(share->user, u.wave)) u.squares = wave_region_bits(*region);
     if (saving) u.squares &= ~checkpoint_finished(saving, u.wave);
     return u;
 }
@@ -196,8 +196,6 @@ static void run(void *user) {
     }
     free(j->workers);
 }
-
-/* ---- the whole ---- */
 
 static double fraction_done(const job *j, double now) {
     double deadline = atomic_load(&j->deadline);

@@ -53,8 +53,6 @@ static fathom_settings coarse_settings(const render_plan *plan, const fathom_fil
     return out;
 }
 
-/* ---- rendering ---- */
-
 static bool make_worker(const preview *p, preview_worker *self) {
     if (self->ready) return true;
     self->integration = p->plan.integrator->create(&p->plan, p->stop);
@@ -64,7 +62,7 @@ static bool make_worker(const preview *p, preview_worker *self) {
 
 static void render_region(const preview *p, preview_worker *self, const wave_region *r) {
     wave_batch batch;
-    batch.count = wave_list_squares(r, wave_region_bits(r), batch.squares);
+    batch.count = wave_list_squares(r, wave_region_bits(*r), batch.squares);
     if (!make_worker(p, self) || !p->plan.integrator->run(self->integration, r, &batch)) return;
     pixel_sums_clear(&self->sums);
     for (uint32_t place = 0; place < batch.count; ++place) {
@@ -83,8 +81,6 @@ static void render_regions(void *user, size_t begin, size_t end, unsigned index)
     }
     trace_thread_end(state);
 }
-
-/* ---- to the film ---- */
 
 static size_t coarse_pixel(const preview *p, uint32_t x, uint32_t y) {
     return (size_t)(y / p->block - p->coarse->y) * p->coarse->width + (x / p->block - p->coarse->x);

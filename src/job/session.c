@@ -241,8 +241,6 @@ fathom_status fathom_session_finish(fathom_session *session, fathom_stats *stats
     return status;
 }
 
-/* ---- before a session ---- */
-
 fathom_status fathom_checkpoint_check(fathom_context *context, const fathom_checkpoint *request) {
     fathom_checkpoint asked;
     bool exists;

@@ -322,8 +322,6 @@ static void find_problems(const fathom_scene *scene, const world *w, survey *out
                              : "no light, no ambient light and nothing that emits: every surface is black");
 }
 
-/* ---- the whole ---- */
-
 static fathom_status fill(const fathom_scene *scene, const world *w, survey *out) {
     fathom_status status = world_check(w);
     if (status == FATHOM_OK) status = reach_check(scene->context, w);

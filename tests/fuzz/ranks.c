@@ -41,7 +41,7 @@ static void work(const fathom_film *film, wave_share *share) {
         if (done.unit.wave >= grid.count || !done.unit.squares)
             fuzz_wrong("a unit of wave %u", done.unit.wave);
         const wave_region region = wave_grid_region(&grid, done.unit.wave);
-        if (done.unit.squares & ~wave_region_bits(&region)) fuzz_wrong("a unit beyond the film");
+        if (done.unit.squares & ~wave_region_bits(region)) fuzz_wrong("a unit beyond the film");
         share->take(share->user, &done);
     }
 }

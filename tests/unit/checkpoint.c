@@ -422,7 +422,7 @@ static void make_file(file *f) {
     assert_true(checkpoint_write_create(&state, f->film, &room));
     assert_int_equal(state.grid.count, 2);
     const wave_region shown = wave_grid_region(&state.grid, 1);
-    state.squares[1] = wave_region_bits(&shown);
+    state.squares[1] = wave_region_bits(shown);
     state.records[0] = calloc(1, adaptive_record_bytes(f->parts));
     for (size_t k = 0; k < WAVE_SQUARES; ++k) {
         double *errors = (double *)(void *)state.records[0];

@@ -100,7 +100,7 @@ static void draw_film(subject *u, uint32_t samples, draw one, spread_at spread) 
     for (uint32_t i = 0; i < grid.count; ++i) {
         const wave_region r = wave_grid_region(&grid, i);
         wave_square squares[WAVE_SQUARES];
-        const uint32_t count = wave_list_squares(&r, wave_region_bits(&r), squares);
+        const uint32_t count = wave_list_squares(&r, wave_region_bits(r), squares);
         for (uint32_t s = 0; s < count; ++s) draw_square(u, &r, &squares[s], samples, one, spread);
     }
 }

@@ -206,7 +206,7 @@ void checkpoint_take(checkpoint *c, uint32_t place, uint64_t squares, uint64_t s
 static void finish(void *user, const unit_result *result) {
     checkpoint *c = user;
     checkpoint_take(c, checkpoint_wave(c, result->region.left, result->region.top),
-                    result->squares & wave_region_bits(&result->region), unit_samples(result), result->error);
+                    result->squares & wave_region_bits(result->region), unit_samples(result), result->error);
 }
 
 unit_sink checkpoint_sink(checkpoint *c) { return (unit_sink){finish, c}; }

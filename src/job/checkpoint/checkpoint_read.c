@@ -101,8 +101,8 @@ static fathom_status read_progress(reading *r) {
         return damaged(r, "its error or time makes no sense");
     if (!copy(r, s->squares, s->grid.count * sizeof *s->squares)) return damaged(r, "it ends too early");
     for (uint32_t i = 0; i < s->grid.count; ++i) {
-        const wave_region shown = wave_grid_region(&s->grid, i);
-        if (s->squares[i] & ~wave_region_bits(&shown)) return damaged(r, "a square beyond the film");
+        if (s->squares[i] & ~wave_region_bits(wave_grid_region(&s->grid, i)))
+            return damaged(r, "a square beyond the film");
     }
     return FATHOM_OK;
 }

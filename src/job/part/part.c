@@ -105,9 +105,8 @@ static fathom_status compare(const part *p, const part_head *theirs) {
 }
 
 static void count_before(part *p, const part_record *r) {
-    const wave_region region = wave_grid_region(&p->shape.grid, r->wave);
     checkpoint_past *b = &p->share.before;
-    b->pixels += (uint64_t)(region.x1 - region.x0) * (region.y1 - region.y0);
+    b->pixels += checkpoint_pixels(&p->shape.grid, r->wave, ~0ull);
     b->samples += r->samples;
     b->error = fmax(b->error, r->error);
     b->seconds += r->seconds / fathom_context_threads(p->context);
@@ -214,12 +213,8 @@ fathom_status part_open(fathom_context *context, const fathom_part *options, con
 /* ---- writing ---- */
 
 static bool write_all(part *p, const void *bytes, size_t size) {
-    for (const char *at = bytes; size && !p->error;) {
-        const ssize_t done = pwrite(p->file, at, size, p->size);
-        if (done < 0 && errno == EINTR) continue;
-        if (done <= 0) p->error = done < 0 ? errno : ENOSPC;
-        if (done > 0) p->size += done, at += done, size -= (size_t)done;
-    }
+    if (!p->error && !file_write_at(p->file, (uint64_t)p->size, bytes, size)) p->error = errno;
+    if (!p->error) p->size += (off_t)size;
     return !p->error;
 }
 
@@ -269,8 +264,7 @@ static bool wants(void *user, uint32_t wave) {
 static uint64_t count_pixels(const part_shape *s) {
     uint64_t pixels = 0;
     for (uint32_t i = 0; i < s->grid.count; ++i) {
-        const wave_region r = wave_grid_region(&s->grid, i);
-        if (part_owns(s, i)) pixels += (uint64_t)(r.x1 - r.x0) * (r.y1 - r.y0);
+        if (part_owns(s, i)) pixels += checkpoint_pixels(&s->grid, i, ~0ull);
     }
     return pixels;
 }

@@ -45,13 +45,9 @@ part_shape part_shape_of(const part_head *head) {
     return s;
 }
 
-static uint64_t shown_squares(const wave_grid *grid, uint32_t wave) {
-    const wave_region r = wave_grid_region(grid, wave);
-    return wave_region_bits(&r);
-}
-
 size_t part_wave_bytes(const part_shape *s, uint32_t wave) {
-    return (size_t)__builtin_popcountll(shown_squares(&s->grid, wave)) * s->square_bytes;
+    const uint64_t squares = wave_region_bits(wave_grid_region(&s->grid, wave));
+    return (size_t)__builtin_popcountll(squares) * s->square_bytes;
 }
 
 /* ---- the head ---- */

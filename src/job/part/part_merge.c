@@ -125,11 +125,6 @@ static fathom_status check_whole(const merging *m, const source *s, size_t end) 
                      end == s->map.size ? "" : ", and then bytes that are damaged or cut off");
 }
 
-static void load_pixels(const merging *m, const source *s, uint32_t wave, const unsigned char *pixels) {
-    const wave_region region = wave_grid_region(&s->shape.grid, wave);
-    checkpoint_pixels_load(&s->shape.grid, m->film, wave, wave_region_bits(&region), pixels);
-}
-
 static fathom_status read_part(merging *m, source *s) {
     const unsigned char *payload;
     size_t at = part_head_bytes(s->head) + sizeof(uint64_t);
@@ -139,7 +134,8 @@ static fathom_status read_part(merging *m, source *s) {
         if (s->tiles)
             s->tiles[r.wave] = (size_t)(payload - s->map.bytes);
         else
-            load_pixels(m, s, r.wave, payload);
+            checkpoint_pixels_load(&s->shape.grid, m->film, r.wave,
+                                   wave_region_bits(wave_grid_region(&s->shape.grid, r.wave)), payload);
     }
     return check_whole(m, s, at);
 }
@@ -184,7 +180,7 @@ static void add_wave(const merging *m, uint32_t wave, adding *a) {
     const wave_region region = wave_grid_region(&m->sources[0].shape.grid, wave);
     const unit_sink film = unit_film_sink(m->film);
     const unit_result result = {.region = region,
-                                .squares = wave_region_bits(&region),
+                                .squares = wave_region_bits(region),
                                 .sums = &a->sums,
                                 .samples = a->samples,
                                 .hits = a->samples};
@@ -221,8 +217,6 @@ static fathom_status add_samples(const merging *m) {
     free(a);
     return fine ? FATHOM_OK : fail_memory(m->context, sizeof *a);
 }
-
-/* ---- the whole ---- */
 
 /* Pixels do not depend on it, so the parts fit. */
 static void compare_exposures(const merging *m) {

@@ -188,9 +188,8 @@ static void answer(ranks *r, uint32_t from, uint32_t threads) {
 }
 
 static bool makes_sense(const ranks *r, const work_unit *u) {
-    if (u->wave >= r->grid.count || !u->squares) return false;
-    const wave_region region = wave_grid_region(&r->grid, u->wave);
-    return !(u->squares & ~wave_region_bits(&region));
+    return u->wave < r->grid.count && u->squares &&
+           !(u->squares & ~wave_region_bits(wave_grid_region(&r->grid, u->wave)));
 }
 
 static void count_result(ranks *r, const unit_record *w) {
@@ -306,8 +305,7 @@ static void talk(void *user) {
 
 static bool list_units(ranks *r) {
     for (uint32_t i = 0; is_root(r) && i < r->grid.count; ++i) {
-        const wave_region region = wave_grid_region(&r->grid, i);
-        work_unit u = {.wave = i, .squares = wave_region_bits(&region)};
+        work_unit u = {.wave = i, .squares = wave_region_bits(wave_grid_region(&r->grid, i))};
         if (r->saving) u.squares &= ~checkpoint_finished(r->saving, i);
         if (u.squares && !unit_queue_add(&r->queue, u)) return false;
     }

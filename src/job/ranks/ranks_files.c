@@ -142,15 +142,6 @@ static int create_file(fetching *f) {
     return open(f->path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0600);
 }
 
-static bool write_piece(int file, const fetching *f) {
-    for (size_t done = 0; done < f->count;) {
-        const ssize_t wrote = write(file, f->bytes + done, f->count - done);
-        if (wrote < 0 && errno != EINTR) return false;
-        if (wrote > 0) done += (size_t)wrote;
-    }
-    return true;
-}
-
 static fathom_status fetch_file(fetching *f, uint32_t index, uint32_t *all) {
     fathom_status status = ask(f, index, 0);
     if (status != FATHOM_OK) return status;
@@ -158,7 +149,7 @@ static fathom_status fetch_file(fetching *f, uint32_t index, uint32_t *all) {
     const int file = create_file(f);
     if (file < 0) return cannot_write(f);
     for (uint64_t at = 0; status == FATHOM_OK;) {
-        if (!write_piece(file, f)) status = cannot_write(f);
+        if (!file_write_at(file, at, f->bytes, f->count)) status = cannot_write(f);
         at += f->count;
         if (at >= f->piece.size || !f->count || status != FATHOM_OK) break;
         status = ask(f, index, at);
