@@ -189,23 +189,16 @@ static void print_facts(const json_t *root) {
     for (i = 0; i < json_array_size(item); ++i) printf("  %s\n", json_string_value(json_array_get(item, i)));
 }
 
-static fathom_status print_json(fathom_context *context, const json_t *root) {
-    char *bytes = json_dump_text(root, 0);
-    if (!bytes) return cli_fail_memory(context);
-    puts(bytes);
-    free(bytes);
-    return FATHOM_OK;
-}
-
 static fathom_status print(fathom_context *context, const info_settings *settings, fathom_status status,
                            const json_t *root) {
-    if (json_memory_lacked()) return say_status(&command_info, context, cli_fail_memory(context));
-    if (settings->json) {
-        const fathom_status printed = print_json(context, root);
-        return printed == FATHOM_OK ? status : say_status(&command_info, context, printed);
-    }
-    say_status(&command_info, context, status);
-    if (status == FATHOM_OK) print_facts(root);
+    char *text = settings->json ? json_dump_text(root, 0) : NULL;
+    if (json_memory_lacked() || (settings->json && !text))
+        return say_status(&command_info, context, cli_fail_memory(context));
+    if (text)
+        puts(text);
+    else if (say_status(&command_info, context, status) == FATHOM_OK)
+        print_facts(root);
+    free(text);
     return status;
 }
 

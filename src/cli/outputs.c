@@ -16,11 +16,10 @@
 
 bool outputs_is_exr(const char *path) { return file_ends_in(path, "exr"); }
 
-bool outputs_have_exr(const args_list *outputs) {
-    for (size_t i = 0; i < outputs->count; ++i) {
-        if (outputs_is_exr(outputs->items[i])) return true;
-    }
-    return false;
+size_t outputs_count_exr(const args_list *outputs) {
+    size_t count = 0;
+    for (size_t i = 0; i < outputs->count; ++i) count += outputs_is_exr(outputs->items[i]);
+    return count;
 }
 
 /* ---- temporary files ---- */

@@ -12,9 +12,9 @@
 fathom_status outputs_check_distinct(fathom_context *context, const char *const *outputs, size_t count,
                                      const char *input);
 
-/* True if the path ends in .exr, or one of the paths does. */
+/* True if the path ends in .exr. */
 bool outputs_is_exr(const char *path);
-bool outputs_have_exr(const args_list *outputs);
+size_t outputs_count_exr(const args_list *outputs);
 
 /* True if both paths name the same file, which need not exist. */
 bool outputs_are_same(const char *a, const char *b);

@@ -20,6 +20,11 @@ static inline void ray_counts_add(const ray_counts *from, int times, ray_counts 
     for (size_t i = 0; i < sizeof *from / sizeof *a; ++i) sum[i] += a[i] * (uint64_t)times;
 }
 
+/* Rays that were traced. */
+static inline uint64_t ray_counts_total(const ray_counts *r) {
+    return r->camera + r->shadow + r->reflection + r->refraction;
+}
+
 /* The state of one thread. Integrators place it at the start of their own state. */
 typedef struct integration {
     const render_plan *plan;

@@ -26,21 +26,28 @@ static size_t matte_bytes(film_parts parts) { return parts.matte_count * WAVE_SL
 /* Order: the runs, the layers, the mattes, the first hits. */
 size_t adaptive_record_bytes(film_parts parts) { return sizeof(runs_record) + adaptive_bytes(parts); }
 
-void adaptive_record_save(const adaptive_wave *a, unsigned char *out) {
+/* Copies a field to its place in the record, or back. */
+static void copy(unsigned char **record, bool save, void *field, size_t bytes) {
+    if (bytes) memcpy(save ? *record : field, save ? field : *record, bytes);
+    *record += bytes;
+}
+
+static void copy_wave(adaptive_wave *a, bool save, unsigned char *record) {
     for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) {
-        const adaptive_run *r = &a->runs[run];
-        squares_record squares;
-        memcpy(squares.square_error, r->square_error, sizeof r->square_error);
-        memcpy(squares.rays, r->rays, sizeof r->rays);
-        memcpy(squares.done, r->done, sizeof r->done);
-        memcpy(out + run * sizeof squares, &squares, sizeof squares);
-        memcpy(out + offsetof(runs_record, rgb) + run * sizeof r->rgb, r->rgb, sizeof r->rgb);
+        adaptive_run *r = &a->runs[run];
+        copy(&record, save, r->square_error, sizeof r->square_error);
+        copy(&record, save, r->rays, sizeof r->rays);
+        copy(&record, save, r->done, sizeof r->done);
     }
-    out += sizeof(runs_record);
-    if (a->layers) memcpy(out, a->layers, layer_bytes(a->parts));
-    out += layer_bytes(a->parts);
-    if (a->mattes) memcpy(out, a->mattes, matte_bytes(a->parts));
-    if (a->hits) memcpy(out + matte_bytes(a->parts), a->hits, sizeof *a->hits);
+    for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run)
+        copy(&record, save, a->runs[run].rgb, sizeof a->runs[run].rgb);
+    copy(&record, save, a->layers, layer_bytes(a->parts));
+    copy(&record, save, a->mattes, matte_bytes(a->parts));
+    copy(&record, save, a->hits, a->hits ? sizeof *a->hits : 0);
+}
+
+void adaptive_record_save(const adaptive_wave *a, unsigned char *out) {
+    copy_wave((adaptive_wave *)(uintptr_t)a, true, out); /* is only read */
 }
 
 bool adaptive_record_check(const unsigned char *record, uint32_t spp) {
@@ -57,21 +64,9 @@ bool adaptive_record_check(const unsigned char *record, uint32_t spp) {
 }
 
 void adaptive_record_load(const fathom_settings *settings, const unsigned char *record, adaptive_wave *a) {
-    for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run) {
-        adaptive_run *r = &a->runs[run];
-        squares_record squares;
-        memcpy(&squares, record + run * sizeof squares, sizeof squares);
-        memcpy(r->square_error, squares.square_error, sizeof r->square_error);
-        memcpy(r->rays, squares.rays, sizeof r->rays);
-        memcpy(r->done, squares.done, sizeof r->done);
-        memcpy(r->taken, squares.done, sizeof r->taken);
-        memcpy(r->rgb, record + offsetof(runs_record, rgb) + run * sizeof r->rgb, sizeof r->rgb);
-    }
+    copy_wave(a, false, (unsigned char *)(uintptr_t)record); /* is only read */
+    for (uint32_t run = 0; run < ADAPTIVE_RUNS; ++run)
+        memcpy(a->runs[run].taken, a->runs[run].done, sizeof a->runs[run].taken);
     for (uint32_t s = 0; s < WAVE_SQUARES; ++s) a->seen[s] = max_u32(a->runs[0].done[s], a->runs[1].done[s]);
-    record += sizeof(runs_record);
-    if (a->layers) memcpy(a->layers, record, layer_bytes(a->parts));
-    record += layer_bytes(a->parts);
-    if (a->mattes) memcpy(a->mattes, record, matte_bytes(a->parts));
-    if (a->hits) memcpy(a->hits, record + matte_bytes(a->parts), sizeof *a->hits);
     adaptive_rate(settings, a);
 }

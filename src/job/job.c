@@ -9,12 +9,9 @@
 
 #include <stdlib.h>
 
-static uint64_t total(const ray_counts *rays) {
-    return rays->camera + rays->shadow + rays->reflection + rays->refraction;
-}
-
 void job_count_rays(job *j, const integration *work, const ray_counts *before) {
-    atomic_fetch_add_explicit(&j->rays_done, total(&work->rays) - total(before), memory_order_relaxed);
+    const uint64_t rays = ray_counts_total(&work->rays) - ray_counts_total(before);
+    atomic_fetch_add_explicit(&j->rays_done, rays, memory_order_relaxed);
 }
 
 void job_stop(job *j, const integration *work) {

@@ -1,5 +1,8 @@
 #include "verify/builder.h"
 
+#include "base/status.h"
+
+#include <stdlib.h>
 #include <string.h>
 
 void build_open(fathom_context *context, builder *out) {
@@ -62,6 +65,20 @@ void build_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_id m
 void build_mesh(builder *b, fathom_mesh mesh, fathom_id material) {
     mesh.material = material, mesh.flags = b->flags;
     if (b->status == FATHOM_OK) b->status = fathom_scene_add_mesh(b->scene, b->group, &mesh, NULL);
+}
+
+void build_triangles(builder *b, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
+                     const uint32_t *indices, uint32_t triangles, fathom_id material) {
+    float *floats = malloc(3 * (size_t)vertices * sizeof *floats);
+    if (!floats && b->status == FATHOM_OK) b->status = fail_memory(b->context, 12 * (size_t)vertices);
+    for (size_t i = 0; floats && i < vertices; ++i) build_rgb(floats + 3 * i, positions[i]);
+    fathom_mesh mesh;
+    fathom_mesh_default(&mesh);
+    mesh.positions = floats, mesh.vertex_count = vertices;
+    mesh.indices = indices, mesh.triangle_count = triangles;
+    store_f64(mesh.origin, origin);
+    build_mesh(b, mesh, material);
+    free(floats);
 }
 
 void paint_sphere(builder *b, vec3_f64 center, double radius, fathom_material m) {

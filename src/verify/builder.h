@@ -34,6 +34,9 @@ void build_sphere(builder *b, vec3_f64 center, double radius, fathom_id material
 void build_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_id material);
 void build_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_id material);
 void build_mesh(builder *b, fathom_mesh mesh, fathom_id material);
+/* A mesh without normals. Positions are relative to `origin`. */
+void build_triangles(builder *b, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
+                     const uint32_t *indices, uint32_t triangles, fathom_id material);
 void paint_sphere(builder *b, vec3_f64 center, double radius, fathom_material m);
 void paint_plane(builder *b, vec3_f64 point, vec3_f64 normal, fathom_material m);
 void paint_quad(builder *b, vec3_f64 center, vec3_f64 u, vec3_f64 v, fathom_material m);

@@ -34,14 +34,11 @@ static void add_planes(judged_scene *c) {
 static void add_box(judged_scene *c, vec3_f64 low, vec3_f64 size) {
     static const uint32_t sides[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-    uint32_t *indices = case_memory(c, sizeof sides);
-    if (!indices) return;
-    memcpy(indices, sides, sizeof sides);
     vec3_f64 corner[8];
     for (unsigned k = 0; k < 8; ++k)
         corner[k] =
             vec_f64(low.x + (k & 1 ? size.x : 0), low.y + (k & 2 ? size.y : 0), low.z + (k & 4 ? size.z : 0));
-    case_mesh(c, vec_f64(0, 0, 0), corner, 8, indices, 12);
+    build_triangles(&c->b, vec_f64(0, 0, 0), corner, 8, sides, 12, 0);
 }
 
 static void add_boxes(judged_scene *c) {

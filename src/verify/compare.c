@@ -70,7 +70,7 @@ static void judge_first(const comparison *c, compare_worker *w, size_t ray, bool
         keep_failure(w, c, ray, COMPARE_FIRST, any, report.verdict, &answer);
     else if (report.measured)
         compare_family_measure(&w->family, &c->batch.rays[ray], index_of(c, ray), &report, &errors,
-                               c->subject->precision.unit, rays_world_radius(c->subject->source));
+                               c->subject->precision.unit, c->subject->source->radius);
 }
 
 void compare_judge_other(const comparison *c, compare_worker *w, const ask_other *other) {

@@ -9,8 +9,9 @@
 /* t_near of these rays, divided by the world's radius. Differences at the surface on which a ray starts are
  * only rounding, which the families test. */
 #define SCREEN_NEAR 0x1p-12
-/* A thread that has found this many errors stops for the present 2^17 rays. */
+/* A thread that has found this many errors stops for the present SCREEN_BATCH rays. */
 #define SCREEN_ENOUGH 100
+#define SCREEN_BATCH ((size_t)1 << 17)
 
 static bool agree(const ask_answer *a, const ask_answer *b, double size) {
     if (a->met != b->met || !ask_same_primitive(a, b)) return false;
@@ -20,7 +21,7 @@ static bool agree(const ask_answer *a, const ask_answer *b, double size) {
 
 /* The world's radius in units of the ray's t. */
 static double size_along(const comparison *c, const oracle_ray *ray) {
-    return rays_world_radius(c->subject->source) / length_f64(widen(ray->dir));
+    return c->subject->source->radius / length_f64(widen(ray->dir));
 }
 
 static void start_off_surfaces(const comparison *c, oracle_ray *ray) {
@@ -81,10 +82,10 @@ fathom_status compare_screen(fathom_context *context, comparison *c, uint64_t do
     const size_t family_begin = out->failures.count;
     fathom_status status = FATHOM_OK;
     c->family = screening_family(o->families);
-    for (uint64_t at = 0; at < o->screened && status == FATHOM_OK; at += 1u << 17) {
-        uint64_t left = o->screened - at;
+    for (uint64_t at = 0; at < o->screened && status == FATHOM_OK; at += SCREEN_BATCH) {
+        const uint64_t left = o->screened - at;
         c->first = o->rays + at;
-        loop_workers(o->threads, left < 1u << 17 ? (size_t)left : 1u << 17, COMPARE_CALL, screen_calls, c);
+        loop_workers(o->threads, left < SCREEN_BATCH ? left : SCREEN_BATCH, COMPARE_CALL, screen_calls, c);
         status = compare_join_workers(context, c, out, family_begin);
         if (status == FATHOM_OK) status = compare_tell(context, o, done);
     }

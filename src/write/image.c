@@ -122,7 +122,20 @@ static bool is_taken(const write_images *images, const char *name) {
     for (uint32_t i = 0; i < images->count; ++i) {
         if (images->items[i].name && strcmp(images->items[i].name, name) == 0) return true;
     }
+    for (size_t i = 0; i < images->sky_count; ++i) {
+        if (images->faces[i] && strcmp(images->faces[i], name) == 0) return true;
+    }
     return false;
+}
+
+/* A name that no other image has: files of the scene that stay in place may have the first ones. */
+static char *new_name(const char *path, const write_images *images, const char *before, size_t number,
+                      const char *after, const char *extension) {
+    for (char tag[48], *name;; free(name)) {
+        snprintf(tag, sizeof tag, "%s%zu%s", before, number++, after);
+        name = name_from(path, tag, extension);
+        if (!name || !is_taken(images, name)) return name;
+    }
 }
 
 /* Readers of text end a name where the line or a comment begins. PLY's lines are short. */
@@ -143,20 +156,14 @@ static bool is_utf8(const char *name) {
     return length;
 }
 
-/* A name that no other image has: files of the scene that stay in place may have the first ones. */
 static char *copied_name(const char *path, const write_images *images, uint32_t index) {
     const write_image *image = &images->items[index];
     const char *type = write_image_type(image);
-    char extension[16] = "", tag[16], *name;
+    char extension[16] = "";
     if (image->texture->file) file_extension(image->texture->file, extension);
     if (!ends_line(extension)) *extension = '\0';
     if (!*extension && type) snprintf(extension, sizeof extension, "%s", strchr(type, '/') + 1);
-    do {
-        snprintf(tag, sizeof tag, "%u", index++);
-        name = name_from(path, tag, extension);
-        if (!name || !is_taken(images, name)) return name;
-        free(name);
-    } while (true);
+    return new_name(path, images, "", index, "", extension);
 }
 
 static fathom_status copy_bytes(fathom_context *context, const char *path, const char *name,
@@ -193,24 +200,11 @@ static fathom_status copy_face(fathom_context *context, const char *path, const 
     return status;
 }
 
-static bool has_faces(const write_images *images, const char *name) {
-    for (size_t i = 0; i < images->sky_count; ++i) {
-        if (images->faces[i] && strcmp(images->faces[i], name) == 0) return true;
-    }
-    return false;
-}
-
-/* "out/scene.json" gets "scene-sky-0-px.hdr" and so on, unless faces of the scene that stay have these
- * names. */
+/* "out/scene.json" gets "scene-sky-0-px.hdr" and so on. */
 static char *copied_faces(const char *path, const write_images *images, size_t sky, const file_faces *files) {
-    char tag[48], extension[16] = "", *name;
+    char extension[16] = "";
     file_extension(files->paths[0], extension);
-    do {
-        snprintf(tag, sizeof tag, "sky-%zu-" FILE_FACE, sky++);
-        name = name_from(path, tag, extension);
-        if (!name || !has_faces(images, name)) return name;
-        free(name);
-    } while (true);
+    return new_name(path, images, "sky-", sky, "-" FILE_FACE, extension);
 }
 
 static fathom_status copy_faces(fathom_context *context, const char *path, const char *pattern,

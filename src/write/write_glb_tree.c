@@ -136,7 +136,6 @@ static void count_nodes(const glb *g, uint32_t index) {
         group->nodes = write_add(group->nodes, nodes_of(g, g->graph->instances.items[i]));
 }
 
-/* Overrides and node counts of all groups. */
 fathom_status glb_plan_groups(glb *g) {
     bool good = array_push(&g->groups[FATHOM_ROOT].overrides, FATHOM_NONE);
     uint32_t meshes = 0;

@@ -12,13 +12,13 @@ typedef struct named {
 
 static int compare_names(const void *a, const void *b) {
     const named *x = a, *y = b;
-    const int order = strcmp(x->name ? x->name : "", y->name ? y->name : "");
+    const int order = strcmp(x->name, y->name);
     return order ? order : x->index < y->index ? -1 : 1;
 }
 
 /* If `words`: without blanks and #, so that any reader accepts it. */
 static bool is_name(const char *name, bool words) {
-    if (!name || !*name) return false;
+    if (!*name) return false;
     for (; words && *name; ++name) {
         if ((unsigned char)*name <= ' ' || *name == '#') return false;
     }
@@ -26,8 +26,7 @@ static bool is_name(const char *name, bool words) {
 }
 
 static int compare_to_name(const void *name, const void *item) {
-    const named *at = item;
-    return strcmp(name, at->name ? at->name : "");
+    return strcmp(name, ((const named *)item)->name);
 }
 
 /* A name by the item's number, or that number plus a multiple of the count, that no item has. */
@@ -46,11 +45,11 @@ static fathom_status name_all(fathom_context *context, named *items, size_t coun
     qsort(items, count, sizeof *items, compare_names);
     for (size_t i = 0; i < count; ++i) {
         const named *at = &items[i];
-        const bool first = i == 0 || !at[-1].name || !at->name || strcmp(at[-1].name, at->name) != 0;
+        const bool first = i == 0 || strcmp(at[-1].name, at->name) != 0;
         const bool keeps = first && is_name(at->name, words);
         names[at->index] = keeps ? strdup(at->name) : numbered(items, count, prefix, at->index);
         if (!names[at->index]) return fail_memory(context, strlen(prefix));
-        *replaced += !keeps && at->name && *at->name;
+        *replaced += !keeps && *at->name;
     }
     return FATHOM_OK;
 }
@@ -62,8 +61,10 @@ fathom_status write_names(const fathom_scene *scene, bool groups, bool words, no
     char **names = *out = calloc(count + 1, sizeof *names);
     fathom_status status =
         items && names ? FATHOM_OK : fail_memory(scene->context, count * (sizeof *items + sizeof *names));
-    for (size_t i = 0; status == FATHOM_OK && i < count; ++i)
-        items[i] = (named){groups ? scene->groups.items[i] : scene->materials.items[i].name, i};
+    for (size_t i = 0; status == FATHOM_OK && i < count; ++i) {
+        const char *name = groups ? scene->groups.items[i] : scene->materials.items[i].name;
+        items[i] = (named){name ? name : "", i};
+    }
     if (status == FATHOM_OK)
         status =
             name_all(scene->context, items, count, groups ? "group_" : "material_", words, names, &replaced);

@@ -62,7 +62,7 @@ static json_t *pack_ratio(const render_time *t) {
 
 static json_t *pack_speeds(const render_time *t) {
     json_t *speeds = json_array();
-    uint64_t rays = t->rays.camera + t->rays.shadow + t->rays.reflection + t->rays.refraction;
+    const uint64_t rays = ray_counts_total(&t->rays);
     for (unsigned i = 0; i < t->speed_count; ++i) {
         const render_speed *s = &t->speeds[i];
         json_array_append_new(

@@ -20,10 +20,8 @@
 /* True if a file for the display clips at 1; this is known only of the built-in view. */
 static bool any_for_display(const render_options *options) {
     if (options->part.path) return true; /* fathom merge may write one */
-    for (size_t i = 0; i < options->outputs.count; ++i) {
-        if (!outputs_is_exr(options->outputs.items[i])) return fathom_write_is_srgb(&options->write);
-    }
-    return false;
+    return outputs_count_exr(&options->outputs) < options->outputs.count &&
+           fathom_write_is_srgb(&options->write);
 }
 
 static float strength(const fathom_light *light) {
@@ -116,7 +114,7 @@ static bool exceeds_half(const fathom_film *film) {
 
 static void warn_of_half(warning_list *warnings, const char *name, const fathom_film *film,
                          const fathom_brightness *b, const render_options *options) {
-    if (options->write.float_color || !outputs_have_exr(&options->outputs)) return;
+    if (options->write.float_color || !outputs_count_exr(&options->outputs)) return;
     if (exceeds_half(film))
         warnings_tell(warnings,
                       "%s: the .exr shows pixels above 65504 as 65504, the largest half float; --exr-float "

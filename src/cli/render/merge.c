@@ -7,7 +7,6 @@
 
 #include "base/clock.h"
 
-#include <fathom/file.h>
 #include <stdlib.h>
 
 static fathom_status check_outputs(fathom_context *context, render_options *o) {

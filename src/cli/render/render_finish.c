@@ -11,7 +11,7 @@
 
 /* The AOVs that at least one of the outputs can hold: all in .exr, alpha in .png and .tif, none in .jpg. */
 static unsigned held_aovs(const args_list *outputs) {
-    unsigned held = outputs_have_exr(outputs) ? ~0u : 0;
+    unsigned held = outputs_count_exr(outputs) ? ~0u : 0;
     for (size_t i = 0; i < outputs->count; ++i)
         if (!file_ends_in(outputs->items[i], "jpg|jpeg")) held |= FATHOM_AOV_ALPHA;
     return held;
@@ -218,11 +218,9 @@ static bool check_part(const render_options *options, args_problem *problem) {
 
 bool render_options_check_images(const render_options *options, args_problem *problem) {
     const char *color = color_option(&options->write);
-    bool shown = false;
-    for (size_t i = 0; i < options->outputs.count; ++i) shown |= !outputs_is_exr(options->outputs.items[i]);
-    if (options->write.float_color && !outputs_have_exr(&options->outputs))
-        return args_wrong(problem, "--exr-float: only with -o FILE.exr");
-    return shown || !color ||
+    const size_t exr = outputs_count_exr(&options->outputs);
+    if (options->write.float_color && !exr) return args_wrong(problem, "--exr-float: only with -o FILE.exr");
+    return exr < options->outputs.count || !color ||
            args_wrong(problem, "--%s: only with an image for the display, such as -o FILE.png", color);
 }
 

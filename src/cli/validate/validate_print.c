@@ -1,6 +1,5 @@
 #include "cli/validate/validate.h"
 
-#include "base/status.h"
 #include "base/text.h"
 #include "cli/machine.h"
 #include "cli/report.h"

@@ -49,18 +49,24 @@ static char *pixels_of(const fathom_film *film, uint32_t channel, uint32_t x, ui
     return (char *)film->channels[channel].data + pixel * sizeof(float);
 }
 
-static void save_square(const part *p, const fathom_film *film, uint32_t channel, unsigned char *out) {
-    if (!is_whole(p)) memset(out, 0, LANES * sizeof(float));
+/* Copies one channel of a square from the film to its 16 values, or back. */
+static void copy_square(const part *p, const fathom_film *film, uint32_t channel, bool save,
+                        unsigned char *values) {
+    const size_t bytes = (p->x1 - p->x0) * sizeof(float);
+    if (save && !is_whole(p)) memset(values, 0, LANES * sizeof(float));
     for (uint32_t y = p->y0; y < p->y1; ++y) {
-        memcpy(out + ((y - p->top) * 4 + (p->x0 - p->left)) * sizeof(float),
-               pixels_of(film, channel, p->x0, y), (p->x1 - p->x0) * sizeof(float));
+        char *pixels = pixels_of(film, channel, p->x0, y);
+        unsigned char *row = values + ((y - p->top) * 4 + (p->x0 - p->left)) * sizeof(float);
+        memcpy(save ? (void *)row : pixels, save ? (void *)pixels : row, bytes);
     }
 }
 
-static void load_square(const part *p, const fathom_film *film, uint32_t channel, const unsigned char *in) {
-    for (uint32_t y = p->y0; y < p->y1; ++y) {
-        memcpy(pixels_of(film, channel, p->x0, y),
-               in + ((y - p->top) * 4 + (p->x0 - p->left)) * sizeof(float), (p->x1 - p->x0) * sizeof(float));
+static void copy_squares(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
+                         bool save, unsigned char *values) {
+    for (; squares; squares &= squares - 1) {
+        const part p = shown_part(grid, wave, (unsigned)__builtin_ctzll(squares));
+        for (uint32_t channel = 0; channel < film->channel_count; ++channel, values += LANES * sizeof(float))
+            copy_square(&p, film, channel, save, values);
     }
 }
 
@@ -70,18 +76,10 @@ size_t checkpoint_pixel_bytes(uint32_t channels, uint64_t squares) {
 
 void checkpoint_pixels_save(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
                             unsigned char *out) {
-    for (; squares; squares &= squares - 1) {
-        const part p = shown_part(grid, wave, (unsigned)__builtin_ctzll(squares));
-        for (uint32_t channel = 0; channel < film->channel_count; ++channel, out += LANES * sizeof(float))
-            save_square(&p, film, channel, out);
-    }
+    copy_squares(grid, film, wave, squares, true, out);
 }
 
 void checkpoint_pixels_load(const wave_grid *grid, const fathom_film *film, uint32_t wave, uint64_t squares,
                             const unsigned char *in) {
-    for (; squares; squares &= squares - 1) {
-        const part p = shown_part(grid, wave, (unsigned)__builtin_ctzll(squares));
-        for (uint32_t channel = 0; channel < film->channel_count; ++channel, in += LANES * sizeof(float))
-            load_square(&p, film, channel, in);
-    }
+    copy_squares(grid, film, wave, squares, false, (unsigned char *)(uintptr_t)in); /* is only read */
 }

@@ -110,7 +110,7 @@ static void count_before(part *p, const part_record *r) {
     b->samples += r->samples;
     b->error = fmax(b->error, r->error);
     b->seconds += r->seconds / fathom_context_threads(p->context);
-    b->rays += r->rays.camera + r->rays.shadow + r->rays.reflection + r->rays.refraction;
+    b->rays += ray_counts_total(&r->rays);
 }
 
 /* Bytes after the last whole record are discarded: the process ended while it wrote them. */

@@ -47,8 +47,7 @@ dyadic dyadic_of(float x) {
     if (e) m |= 0x800000;
     if (m == 0) return (dyadic){0, 0};
     int zeros = __builtin_ctzll((unsigned long long)m);
-    dyadic d = {bits >> 31 ? -(m >> zeros) : m >> zeros, (e ? e : 1) - 150 + zeros};
-    return d;
+    return (dyadic){bits >> 31 ? -(m >> zeros) : m >> zeros, (e ? e : 1) - 150 + zeros};
 }
 
 /* ---- roots ---- */

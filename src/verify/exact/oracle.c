@@ -80,8 +80,7 @@ static oracle_primitive part_of(const oracle_primitive *primitive, unsigned part
 }
 
 static oracle_pair pair_of(const oracle_primitive *primitive, const oracle_answer *answer) {
-    oracle_pair pair = {part_of(primitive, answer->part), *answer};
-    return pair;
+    return (oracle_pair){part_of(primitive, answer->part), *answer};
 }
 
 /* Prefers the part that is hit. If both are hit, or the line hits both outside the interval: the nearer, on

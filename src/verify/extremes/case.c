@@ -75,24 +75,11 @@ vec3_f64 case_scattered_point(unsigned i, unsigned k, double reach) {
                    case_scattered(i, k + 2, -reach, reach));
 }
 
-void case_mesh(judged_scene *c, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
-               const uint32_t *indices, uint32_t triangles) {
-    float *floats = case_memory(c, vertices * 3 * sizeof *floats);
-    if (!floats) return;
-    for (uint32_t i = 0; i < vertices; ++i) store_f32(floats + 3 * (size_t)i, narrow(positions[i]));
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = floats, mesh.vertex_count = vertices;
-    mesh.indices = indices, mesh.triangle_count = triangles;
-    store_f64(mesh.origin, origin);
-    build_mesh(&c->b, mesh, 0);
-}
-
 void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, uint32_t triangles) {
     uint32_t *indices = case_memory(c, triangles * 3 * sizeof *indices);
     if (!indices) return;
     for (uint32_t i = 0; i < 3 * triangles; ++i) indices[i] = i;
-    case_mesh(c, origin, corners, 3 * triangles, indices, triangles);
+    build_triangles(&c->b, origin, corners, 3 * triangles, indices, triangles, 0);
 }
 
 void case_spheres(judged_scene *c, vec3_f64 at, double radius) {
@@ -140,7 +127,7 @@ void case_ball_of(judged_scene *c, vec3_f64 at, double radius, unsigned rings, u
             next = add_triangle(next, k + j, k + around + j, k + around + i);
         }
     }
-    case_mesh(c, at, positions, bottom + 1, indices, (uint32_t)(next - indices) / 3);
+    build_triangles(&c->b, at, positions, bottom + 1, indices, (uint32_t)(next - indices) / 3, 0);
 }
 
 void case_ball(judged_scene *c, vec3_f64 at, double radius) { case_ball_of(c, at, radius, 7, 12); }

@@ -35,9 +35,6 @@ void case_say(judged_scene *c, const char *format, ...) __attribute__((format(pr
 
 /* ---- shapes, in the group of the builder: each call does nothing after a failure ---- */
 
-/* Copies the positions. */
-void case_mesh(judged_scene *c, vec3_f64 origin, const vec3_f64 *positions, uint32_t vertices,
-               const uint32_t *indices, uint32_t triangles);
 /* Triangle k has the corners 3 k, 3 k + 1, 3 k + 2. */
 void case_triangles(judged_scene *c, vec3_f64 origin, const vec3_f64 *corners, uint32_t triangles);
 /* Scattered in a ball, with sizes from a hundredth of the radius. */

@@ -24,7 +24,7 @@ void sliver_make(judged_scene *c, double aspect) {
         alone[3 * i + 2] = madd_f64(b, length_f64(sub_f64(b, a)) / aspect, side);
         indices[3 * i] = i, indices[3 * i + 1] = i + 1, indices[3 * i + 2] = i + 2;
     }
-    case_mesh(c, middle, strip, STRIP + 2, indices, STRIP);
+    build_triangles(&c->b, middle, strip, STRIP + 2, indices, STRIP, 0);
     case_triangles(c, middle, alone, STRIP);
 }
 

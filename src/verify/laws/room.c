@@ -31,20 +31,10 @@ fathom_material law_metallic(void) {
 }
 
 void law_fan(law_room *room, const vec3_f64 *corners, uint32_t count, fathom_material m) {
-    float *positions = malloc(3 * (size_t)count * sizeof *positions);
     uint32_t *indices = malloc(3 * (size_t)count * sizeof *indices);
-    if (!positions || !indices) room->b.status = fail_memory(room->b.context, 24 * (size_t)count);
-    for (uint32_t i = 0; i < count && room->b.status == FATHOM_OK; ++i) {
-        build_rgb(positions + 3 * (size_t)i, corners[i]);
-        const uint32_t triangle[3] = {0, i + 1, i + 2};
-        memcpy(indices + 3 * (size_t)i, triangle, sizeof triangle);
-    }
-    fathom_mesh mesh;
-    fathom_mesh_default(&mesh);
-    mesh.positions = positions, mesh.vertex_count = count;
-    mesh.indices = indices, mesh.triangle_count = count - 2;
-    build_mesh(&room->b, mesh, build_material(&room->b, m));
-    free(positions);
+    if (!indices) room->b.status = fail_memory(room->b.context, 12 * (size_t)count);
+    for (uint32_t i = 0; i < 3 * (count - 2) && indices; ++i) indices[i] = i % 3 ? i / 3 + i % 3 : 0;
+    build_triangles(&room->b, origin, corners, count, indices, count - 2, build_material(&room->b, m));
     free(indices);
 }
 

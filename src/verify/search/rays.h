@@ -64,10 +64,6 @@ typedef struct rays_random {
 } rays_random;
 typedef rays_draft (*rays_maker)(const void *user, rays_random *random);
 
-/* The radius of a sphere around everything except planes; at least 1e-30. Errors of position are relative to
- * it. */
-double rays_world_radius(const rays_source *source);
-
 /* ---- rays_aim.c: random numbers, and target points on the world's primitives ---- */
 
 rays_random rays_random_of(uint64_t seed, uint64_t family, uint64_t index);
@@ -87,9 +83,9 @@ typedef struct rays_run {
 
 struct rays_source {
     const world *world;
-    ARRAY(rays_run) runs; /* planes are the last */
-    vec3_f64 center;
-    double radius;
+    ARRAY(rays_run) runs;  /* planes are the last */
+    vec3_f64 center;       /* of a sphere around everything except planes */
+    double radius;         /* of the sphere; at least 1e-30. Errors of position are relative to it */
     double stretch, shift; /* maximum scale of lengths and maximum translation by instances; stretch >= 1 */
     rays_maker own;        /* makes the rays of every family; may be NULL */
     const void *own_user;

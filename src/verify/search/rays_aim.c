@@ -194,5 +194,3 @@ void rays_destroy(rays_source *source) {
     array_free(&source->runs);
     free(source);
 }
-
-double rays_world_radius(const rays_source *source) { return source->radius; }
