@@ -2,6 +2,7 @@
 #include "cli/outputs.h"
 
 #include "base/clock.h"
+#include "base/text.h"
 
 #include <fathom/file.h>
 #include <fathom/texture.h>
@@ -16,10 +17,8 @@ static fathom_texture describe(const texture_settings *settings) {
     fathom_texture t;
     fathom_texture_default(&t);
     t.file = settings->input;
-    t.color_space = strcmp(settings->color, "auto") == 0     ? FATHOM_COLOR_AUTO
-                    : strcmp(settings->color, "srgb") == 0   ? FATHOM_COLOR_SRGB
-                    : strcmp(settings->color, "linear") == 0 ? FATHOM_COLOR_LINEAR
-                                                             : FATHOM_COLOR_NAMED;
+    const int known = words_find("auto|srgb|linear", settings->color, strlen(settings->color));
+    t.color_space = known < 0 ? FATHOM_COLOR_NAMED : (fathom_color_space)known;
     t.color_space_name = settings->color;
     return t;
 }

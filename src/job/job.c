@@ -272,11 +272,10 @@ static void continue_before(job *j) {
 
 fathom_status job_run(fathom_context *context, const render_plan *plan, const job_options *options,
                       fathom_film *film, job_result *out) {
-    static const job_options none = {.deadline = 0};
     job j = {.plan = plan,
              .film = film,
              .threads = fathom_context_threads(context),
-             .options = options ? options : &none,
+             .options = options,
              .began = clock_seconds(),
              .grid = film_waves(film),
              .sampled = 1};

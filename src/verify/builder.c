@@ -10,10 +10,9 @@ void build_open(fathom_context *context, builder *out) {
     out->status = fathom_scene_create(context, &out->scene);
 }
 
-fathom_status build_finish(builder *b) {
+void build_finish(builder *b) {
     if (b->status == FATHOM_OK) b->status = fathom_scene_complete(b->scene);
     if (b->status == FATHOM_OK) b->status = fathom_scene_check(b->scene);
-    return b->status;
 }
 
 void build_rgb(float out[3], vec3_f64 rgb) {

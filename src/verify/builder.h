@@ -16,8 +16,8 @@ typedef struct builder {
 
 /* Makes an empty scene. Release it with fathom_scene_destroy(), also after a failure. */
 void build_open(fathom_context *context, builder *out);
-/* Completes and checks the scene; returns the status. */
-fathom_status build_finish(builder *b);
+/* Completes and checks the scene. */
+void build_finish(builder *b);
 
 /* ---- materials ---- */
 

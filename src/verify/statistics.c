@@ -88,15 +88,14 @@ bool statistics_run(const trace_spec *spec, const compare_family families[RAYS_F
     bool room = true;
     histogram constants = {.total = 0};
     compare_bias bias = {.count = 0};
-    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+    for (rays_family f = 0; f < RAYS_FAMILIES; ++f) {
         const compare_family *family = &families[f];
         /* Excluded, because inputs that are exactly zero add nothing to a condition number. */
         const unsigned special = 1u << RAYS_AXIS | 1u << RAYS_TINY | 1u << RAYS_LATTICE | 1u << RAYS_ENDS;
         if (!(special >> f & 1)) histogram_join(&constants, &family->constants);
         bias.sum += family->bias.sum, bias.squares += family->bias.squares, bias.count += family->bias.count;
-        room = check_leaks(spec, (rays_family)f, family->rays, family->counts[VERDICT_LEAK], out) && room;
-        room = check_leaks(spec, (rays_family)f, family->any_rays, family->any_counts[VERDICT_LEAK], out) &&
-               room;
+        room = check_leaks(spec, f, family->rays, family->counts[VERDICT_LEAK], out) && room;
+        room = check_leaks(spec, f, family->any_rays, family->any_counts[VERDICT_LEAK], out) && room;
     }
     room = check_constants(&constants, out) && check_bias(&bias, out) && room;
     return check_ends(&families[RAYS_RENDERED], out) && room;

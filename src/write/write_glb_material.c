@@ -239,11 +239,11 @@ static void put_material(file_writer *t, const char *name, const shape *s) {
         file_writer_print(t, ",\"alphaMode\":\"MASK\",\"alphaCutoff\":%.9g", (double)s->m.opacity_cutoff);
     else if (s->blends)
         file_writer_print(t, ",\"alphaMode\":\"BLEND\"");
-    for (int h = GLTF_CORE + 1; h < GLTF_HOLDERS; ++h) {
+    for (gltf_holder h = GLTF_CORE + 1; h < GLTF_HOLDERS; ++h) {
         if (!(used >> h & 1)) continue;
         file_writer_print(t, "%s\"%s\":{", open, gltf_holder_names[h]);
         if (h == GLTF_GLOSSINESS) put_base(t, s);
-        put_keys(t, s, (gltf_holder)h, h == GLTF_GLOSSINESS ? "," : "");
+        put_keys(t, s, h, h == GLTF_GLOSSINESS ? "," : "");
         file_writer_print(t, "}");
         open = ",";
     }

@@ -218,8 +218,8 @@ static bool shows(const fathom_material *m, fathom_map_kind kind) {
 
 static void put_images(const write_library *l, file_writer *t, const fathom_material *m) {
     size_t left = 0;
-    for (int k = 0; k < FATHOM_MAPS; ++k)
-        left += m->maps[k].texture != FATHOM_NONE && shows(m, (fathom_map_kind)k);
+    for (fathom_map_kind k = 0; k < FATHOM_MAPS; ++k)
+        left += m->maps[k].texture != FATHOM_NONE && shows(m, k);
     for (size_t i = 0; i < IMAGES; ++i) {
         const fathom_map *map = &m->maps[images[i].map];
         if (!shows(m, images[i].map)) continue;

@@ -25,8 +25,8 @@ static void add_seconds(json_t *object, const bench_seconds *s) {
 }
 
 static json_t *add_errors(json_t *object, const double errors[CONVERGE_METRICS]) {
-    for (int m = 0; m < CONVERGE_METRICS; ++m)
-        json_add(object, JSON(converge_metric_name((converge_metric)m), errors[m]));
+    for (converge_metric m = 0; m < CONVERGE_METRICS; ++m)
+        json_add(object, JSON(converge_metric_name(m), errors[m]));
     return object;
 }
 
@@ -49,9 +49,8 @@ static json_t *pack_run(const converge_run *run, uint64_t seed) {
 
 static json_t *pack_point(const converge_point *point) {
     json_t *below = json_array();
-    for (int m = 0; m < CONVERGE_METRICS; ++m)
-        if (point->below[m])
-            json_array_append_new(below, json_string(converge_metric_name((converge_metric)m)));
+    for (converge_metric m = 0; m < CONVERGE_METRICS; ++m)
+        if (point->below[m]) json_array_append_new(below, json_string(converge_metric_name(m)));
     json_t *object = json_of(JSON("spp", point->spp), JSON("belowReference", below));
     add_seconds(object, &point->seconds);
     return add_errors(object, point->errors);
@@ -72,8 +71,8 @@ static json_t *pack_curve(const converge_result *result, const converge_curve *c
     json_t *points = json_array(), *slopes = json_object();
     for (unsigned step = 0; step < result->steps; ++step)
         json_array_append_new(points, pack_point(&curve->points[step]));
-    for (int m = 0; m < CONVERGE_METRICS; ++m)
-        json_add(slopes, JSON(converge_metric_name((converge_metric)m), pack_slopes(curve->slopes[m])));
+    for (converge_metric m = 0; m < CONVERGE_METRICS; ++m)
+        json_add(slopes, JSON(converge_metric_name(m), pack_slopes(curve->slopes[m])));
     return json_of(JSON("pattern", converge_pattern_name(curve->pattern)), JSON("points", points),
                    JSON("slopes", slopes));
 }
@@ -82,8 +81,8 @@ static json_t *pack_rows(const converge_row *rows, size_t count, const char *at)
     json_t *list = json_array();
     for (size_t i = 0; i < count; ++i) {
         json_t *row = json_of(JSON(at, rows[i].at));
-        for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
-            json_add(row, JSON(converge_pattern_name((fathom_pattern)p), rows[i].values[p]));
+        for (fathom_pattern p = 0; p < CONVERGE_PATTERNS; ++p)
+            json_add(row, JSON(converge_pattern_name(p), rows[i].values[p]));
         json_array_append_new(list, row);
     }
     return list;
@@ -92,11 +91,11 @@ static json_t *pack_rows(const converge_row *rows, size_t count, const char *at)
 static void add_tables(json_t *root, const converge_result *result) {
     json_t *time = json_object(), *error = json_object();
     converge_row rows[CONVERGE_ROWS];
-    for (int m = 0; m < CONVERGE_METRICS; ++m) {
-        const char *name = converge_metric_name((converge_metric)m);
-        size_t count = converge_equal(result, (converge_metric)m, false, rows);
+    for (converge_metric m = 0; m < CONVERGE_METRICS; ++m) {
+        const char *name = converge_metric_name(m);
+        size_t count = converge_equal(result, m, false, rows);
         json_add(time, JSON(name, pack_rows(rows, count, "cpuSeconds")));
-        count = converge_equal(result, (converge_metric)m, true, rows);
+        count = converge_equal(result, m, true, rows);
         json_add(error, JSON(name, pack_rows(rows, count, "error")));
     }
     json_add(root, JSON("equalTime", time), JSON("equalError", error));
@@ -109,7 +108,7 @@ static void pack(const bench_error_settings *asked, const bench_stage *stage, co
     add_seconds(built, &stage->build);
     for (size_t i = 0; i < result->runs.count; ++i)
         json_array_append_new(runs, pack_run(&result->runs.items[i], asked->seed));
-    for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
+    for (fathom_pattern p = 0; p < CONVERGE_PATTERNS; ++p)
         json_array_append_new(curves, pack_curve(result, &result->curves[p]));
     json_add(root, JSON("scene", asked->all.scene), JSON("tracer", trace_name(stage->tracer)),
              JSON("width", stage->settings.width), JSON("height", stage->settings.height),
@@ -156,8 +155,8 @@ static bool print_point(const char *pattern, const json_t *point) {
     bool marked = false;
     printf("%-10s ", pattern);
     json_print(point, "{spp:6.0f} {cpuSeconds:10.4g} {seconds:10.4g}");
-    for (int m = 0; m < CONVERGE_METRICS; ++m) {
-        const char *name = converge_metric_name((converge_metric)m);
+    for (converge_metric m = 0; m < CONVERGE_METRICS; ++m) {
+        const char *name = converge_metric_name(m);
         const bool below = is_below(point, name);
         printf("  %9.3g%c", json_number_at(point, name), below ? '*' : ' ');
         marked |= below;
@@ -192,9 +191,8 @@ static void print_slopes(const json_t *root) {
     json_array_foreach(json_object_get(root, "curves"), i, curve) {
         for (int c = 0; c < BENCH_CLOCKS; ++c) {
             printf("%-10s %6s", json_text_at(curve, "pattern"), clocks[c]);
-            for (int m = 0; m < CONVERGE_METRICS; ++m) {
-                const json_t *of =
-                    json_at(json_at(curve, "slopes"), converge_metric_name((converge_metric)m));
+            for (converge_metric m = 0; m < CONVERGE_METRICS; ++m) {
+                const json_t *of = json_at(json_at(curve, "slopes"), converge_metric_name(m));
                 of = json_at(of, bench_clock_names[c]);
                 bench_print_slope(json_at(of, "slope"), json_at(of, "half"), 18);
             }
@@ -212,8 +210,7 @@ static void print_rows(const char *title, const char *at, const json_t *rows) {
         return;
     }
     printf("\n%s\n%12s", title, at);
-    for (unsigned p = 0; p < CONVERGE_PATTERNS; ++p)
-        printf(" %11s", converge_pattern_name((fathom_pattern)p));
+    for (fathom_pattern p = 0; p < CONVERGE_PATTERNS; ++p) printf(" %11s", converge_pattern_name(p));
     putchar('\n');
     json_array_foreach(rows, i, row) {
         const char *space = "";
@@ -229,8 +226,8 @@ static void print(const json_t *root) {
     print_head(root);
     print_points(root);
     print_slopes(root);
-    for (int m = 0; m < CONVERGE_METRICS; ++m) {
-        const char *name = converge_metric_name((converge_metric)m);
+    for (converge_metric m = 0; m < CONVERGE_METRICS; ++m) {
+        const char *name = converge_metric_name(m);
         char title[80];
         snprintf(title, sizeof title, "%s in equal time", titles[m]);
         print_rows(title, "cpu s", json_at(json_at(root, "equalTime"), name));

@@ -184,10 +184,9 @@ static fathom_status prepare_and_validate(fathom_context *context, void *user) {
 static bool take_families(const args_option *option, const char *value, void *field, args_problem *problem) {
     (void)option;
     char words[256] = "";
-    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+    for (rays_family f = 0; f < RAYS_FAMILIES; ++f) {
         const size_t length = strlen(words);
-        snprintf(words + length, sizeof words - length, "%s%s", f ? "|" : "",
-                 rays_family_name((rays_family)f));
+        snprintf(words + length, sizeof words - length, "%s%s", f ? "|" : "", rays_family_name(f));
     }
     const fathom_parameter p = {.type = FATHOM_PARAMETER_WORDS,
                                 .flags = FATHOM_PARAMETER_OPEN_LOW,

@@ -66,7 +66,7 @@ uint64_t validate_extremes_total(const extremes_rows *rows, verdict v) {
 
 static void print_counts(const extremes_row *row) {
     printf(" %9llu", (unsigned long long)row->rays);
-    for (int v = 0; v < VERDICT_COUNT; ++v) {
+    for (verdict v = 0; v < VERDICT_COUNT; ++v) {
         if (row->counts[v])
             printf(" %8llu", (unsigned long long)row->counts[v]);
         else
@@ -79,13 +79,13 @@ static void print_counts(const extremes_row *row) {
 
 static void print_heading(const char *title) {
     printf("\n%-*s %9s", NAME_WIDTH, title, "rays");
-    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %8.8s", verdict_name((verdict)v));
+    for (verdict v = 0; v < VERDICT_COUNT; ++v) printf(" %8.8s", verdict_name(v));
     printf(" %8s\n", "constant");
 }
 
 static void add_row(extremes_row *sum, const extremes_row *row) {
     sum->rays += row->rays;
-    for (int v = 0; v < VERDICT_COUNT; ++v) sum->counts[v] += row->counts[v];
+    for (verdict v = 0; v < VERDICT_COUNT; ++v) sum->counts[v] += row->counts[v];
     if (row->constant > sum->constant) sum->constant = row->constant;
 }
 

@@ -10,7 +10,7 @@
 compare_family validate_sum(const validate_run *run) {
     compare_family sum;
     memset(&sum, 0, sizeof sum);
-    for (int f = 0; f < RAYS_FAMILIES; ++f) compare_family_join(&sum, &run->result.families[f]);
+    for (rays_family f = 0; f < RAYS_FAMILIES; ++f) compare_family_join(&sum, &run->result.families[f]);
     return sum;
 }
 
@@ -34,7 +34,7 @@ static double ns_per_ray(const validate_run *run) {
 
 static void print_counts(const char *name, uint64_t rays, const uint64_t counts[VERDICT_COUNT]) {
     printf("%-16s %8llu", name, (unsigned long long)rays);
-    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %7llu", (unsigned long long)counts[v]);
+    for (verdict v = 0; v < VERDICT_COUNT; ++v) printf(" %7llu", (unsigned long long)counts[v]);
 }
 
 static void print_row(const char *name, const compare_family *f) {
@@ -53,7 +53,7 @@ static void print_any_row(const char *name, const compare_family *f) {
 
 static void print_heading(void) {
     printf("%-16s %8s", "", "rays");
-    for (int v = 0; v < VERDICT_COUNT; ++v) printf(" %7.7s", verdict_name((verdict)v));
+    for (verdict v = 0; v < VERDICT_COUNT; ++v) printf(" %7.7s", verdict_name(v));
     printf(" %7s %7s %7s %8s\n", "median", "99.9 %", "max ulp", "constant");
 }
 
@@ -91,9 +91,9 @@ static void print_run(const validate_run *run, bool verbose) {
     text_disarm(scene);
     print_row(scene, &sum);
     if (verbose || sum.any_counts[VERDICT_WRONG] || sum.any_counts[VERDICT_LEAK]) print_any_row(scene, &sum);
-    for (int f = 0; f < RAYS_FAMILIES && verbose; ++f) {
+    for (rays_family f = 0; f < RAYS_FAMILIES && verbose; ++f) {
         char name[32];
-        snprintf(name, sizeof name, "  %s", rays_family_name((rays_family)f));
+        snprintf(name, sizeof name, "  %s", rays_family_name(f));
         const compare_family *family = &run->result.families[f];
         if (!family->rays) continue;
         print_row(name, family);
@@ -206,7 +206,7 @@ static json_t *pack_error(const compare_error *e) {
 
 json_t *validate_verdicts_json(const uint64_t counts[VERDICT_COUNT]) {
     json_t *verdicts = json_object();
-    for (int v = 0; v < VERDICT_COUNT; ++v) json_add(verdicts, JSON(verdict_name((verdict)v), counts[v]));
+    for (verdict v = 0; v < VERDICT_COUNT; ++v) json_add(verdicts, JSON(verdict_name(v), counts[v]));
     return verdicts;
 }
 
@@ -248,10 +248,10 @@ static json_t *pack_family(const char *name, const compare_family *f) {
 
 static json_t *pack_run(const validate_run *run) {
     json_t *families = json_array();
-    for (int f = 0; f < RAYS_FAMILIES; ++f) {
+    for (rays_family f = 0; f < RAYS_FAMILIES; ++f) {
         const compare_family *family = &run->result.families[f];
         if (!family->rays) continue;
-        json_array_append_new(families, pack_family(rays_family_name((rays_family)f), family));
+        json_array_append_new(families, pack_family(rays_family_name(f), family));
     }
     const compare_family sum = validate_sum(run);
     char version[64], isa[64];

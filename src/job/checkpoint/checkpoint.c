@@ -214,10 +214,9 @@ unit_sink checkpoint_sink(checkpoint *c) { return (unit_sink){finish, c}; }
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place) { return c->state.records[place]; }
 
 /* Needs no lock: only rendering threads store records, each for its own waves. */
-bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a) {
+void checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a) {
     const unsigned char *record = c->state.records[place];
     if (record) adaptive_record_load(&c->settings, record, a);
-    return record;
 }
 
 void checkpoint_keep(checkpoint *c, uint32_t place, const adaptive_wave *a) {

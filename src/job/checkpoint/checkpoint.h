@@ -52,9 +52,8 @@ unit_sink checkpoint_sink(checkpoint *c);
 void checkpoint_take(checkpoint *c, uint32_t place, uint64_t squares, uint64_t samples, double error);
 /* True if earlier calls have begun the wave, and not finished it. */
 bool checkpoint_is_begun(const checkpoint *c, uint32_t place);
-/* Loads the samples of a wave from earlier calls; false if they had not begun it. a: after
- * adaptive_begin(). */
-bool checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a);
+/* Loads the samples of a wave, if earlier calls have begun it. a: after adaptive_begin(). */
+void checkpoint_resume(checkpoint *c, uint32_t place, adaptive_wave *a);
 /* Seconds between two calls of checkpoint_keep() at which they cost little. */
 double checkpoint_keep_seconds(const checkpoint *c);
 /* Records the samples of a wave between two passes. If memory runs out, the previous record stays. */

@@ -58,9 +58,9 @@ static void ceiling(law_room *room, vec3_f64 normal, fathom_material mirror, vec
               vec_f64(1 / (1 - albedo.x * mean.x), 1 / (1 - albedo.y * mean.y), 1 / (1 - albedo.z * mean.z)));
 }
 
-static fathom_material glass(double k_r, double k_t) {
+static fathom_material glass(double k_t) {
     fathom_material m = build_black();
-    build_rgb(m.k_r, gray(k_r));
+    build_rgb(m.k_r, white);
     build_rgb(m.k_t, gray(k_t));
     m.fresnel = true, m.ior = 1.5f;
     return m;
@@ -68,7 +68,7 @@ static fathom_material glass(double k_r, double k_t) {
 
 /* The mean of Fresnel's factor outside the glass, or inside. */
 static void fresnel(law_room *room) {
-    ceiling(room, room->number < 0.5 ? down : up, glass(1, 0), gray(room->number));
+    ceiling(room, room->number < 0.5 ? down : up, glass(0), gray(room->number));
 }
 
 static void schlick(law_room *room) {
@@ -121,7 +121,7 @@ static void lit_from_behind(law_room *room) {
 
 /* ---- lossless objects are invisible in a uniform sky ---- */
 
-static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1, 1)); }
+static void glass_ball(law_room *room) { law_unseen_ball(room, glass(1)); }
 
 /* The number is the thickness: 0 makes a thin wall, 1 a solid. */
 static void clear_ball(law_room *room) { law_unseen_ball(room, law_clear(room->number)); }
@@ -158,8 +158,8 @@ static void lamp_in_glass(law_room *room) {
 /* Both surfaces reflect r, with all orders of reflection between them. */
 static void slab(law_room *room) {
     const double r = 0.04;
-    paint_plane(&room->b, vec_f64(0, 0, -1), up, glass(1, 1));
-    paint_plane(&room->b, vec_f64(0, 0, -2), down, glass(1, 1));
+    paint_plane(&room->b, vec_f64(0, 0, -1), up, glass(1));
+    paint_plane(&room->b, vec_f64(0, 0, -2), down, glass(1));
     paint_plane(&room->b, vec_f64(0, 0, 2), down, build_emitter(white));
     law_look(room, origin, down);
     law_value(room, gray(2 * r / (1 + r)));

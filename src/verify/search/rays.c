@@ -33,6 +33,10 @@ static vec3_f64 viewpoint(const rays_source *s, rays_random *r, const rays_targe
     return r->index % 2 ? around(s, r) : rays_in_ball(r, target->run->center, 0.2 * target->run->radius);
 }
 
+static vec3_f64 some_corner(const rays_target *target, rays_random *r) {
+    return target->corners ? target->corner[(unsigned)(rays_unit(r) * target->corners)] : target->point;
+}
+
 static draft make_edge(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
     vec3_f64 point = target.point;
@@ -46,8 +50,7 @@ static draft make_edge(const rays_source *s, rays_random *r) {
 
 static draft make_vertex(const rays_source *s, rays_random *r) {
     rays_target target = rays_pick(s, r);
-    vec3_f64 point = target.point;
-    if (target.corners) point = target.corner[(unsigned)(rays_unit(r) * target.corners)];
+    const vec3_f64 point = some_corner(&target, r);
     return towards(viewpoint(s, r, &target), point);
 }
 
@@ -166,8 +169,7 @@ static vec3_f64 along_axis(vec3_f64 v, rays_random *r) {
 
 /* Sets some coordinates of the origin to those of a corner, so that it lies on planes of boxes. */
 static vec3_f64 on_planes(const rays_target *target, rays_random *r, vec3_f64 org) {
-    vec3_f64 corner =
-        target->corners ? target->corner[(unsigned)(rays_unit(r) * target->corners)] : target->point;
+    const vec3_f64 corner = some_corner(target, r);
     if (rays_unit(r) < 0.6) org.x = corner.x;
     if (rays_unit(r) < 0.6) org.y = corner.y;
     if (rays_unit(r) < 0.6) org.z = corner.z;
