@@ -103,8 +103,7 @@ static void moving_body(law_room *room) {
     law_value(room, gray(albedo));
 }
 
-/* ---- a lamp that moves over a floor; the camera looks at the origin, the shutter is open from 0 to 4
- * ---- */
+/* ---- a lamp moves over a floor while the shutter is open, from 0 to 4 ---- */
 
 static void floor_under(law_room *room, double share) {
     const vec3_f64 albedo = {1, 0.5, 0.2};

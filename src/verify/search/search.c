@@ -87,7 +87,6 @@ void search_result_free(search_result *result) {
 
 /* ---- candidates ---- */
 
-/* State of one ray's search. */
 typedef struct search_walk {
     const search *search;
     const oracle_ray *ray;

@@ -26,7 +26,6 @@ verdict_tracer verdict_tracer_of(const trace_spec *spec, double unit) {
                             .largest = embree ? 1.844e18 / 2 : 0};
 }
 
-/* State of one check. */
 typedef struct judge {
     const search *search;
     const world *world;
@@ -216,7 +215,6 @@ static verdict judge_meeting(const judge *j, const oracle_primitive *p, const or
 
 /* ---- closest hit ---- */
 
-/* True when the ids name an existing primitive. */
 static bool names_primitive(const world *w, const verdict_answer *a) {
     if (a->geometry == TRACE_PLANE) return a->primitive < w->planes.count;
     if (a->geometry >= w->geometries.count) return false;
