@@ -58,6 +58,7 @@ static inline void ply_number(ply_maker *m, char type, double value) {
     case 's': size = 2; break;
     case 'i': size = 4; break;
     case 'f': size = 4; break;
+    case 'l': size = 8; break;
     case 'd': size = 8; break;
     default: fail_msg("no type %c", type);
     }
@@ -75,7 +76,8 @@ static inline void ply_number(ply_maker *m, char type, double value) {
     ply_bytes(m, bytes, size);
 }
 
-/* Numbers of these types, signed or not: b 8 bits, s 16, i 32, f float, d double; a blank ends a row. */
+/* Numbers of these types, signed or not: b 8 bits, s 16, i 32, l 64, f float, d double; a blank ends a row.
+ */
 static inline void ply_row(ply_maker *m, const char *types, const double *values) {
     for (; *types; ++types) {
         if (*types != ' ')

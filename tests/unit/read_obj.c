@@ -101,11 +101,16 @@ UNIT_TEST(any_line_end_counts_a_line) {
     }
 }
 
-/* Exporters name texture coordinates and normals that they do not write. */
+/* Exporters name texture coordinates and normals that they do not write, or write 0 for none. */
 UNIT_TEST(faces_lose_parts_without_data) {
-    const char *wrong[] = {"f 1/1/1 2/2/2 3/3/3\n", "f 1//1 2//2 3//3\n", "f 1/-1 2/-1 3/-1\n",
-                           "vt 0 0\nvn 0 0 1\nf 1/1/1 2/2/2 3/1/1\n", "vt 0 0\nf 1/1/-1 2/1/-1 3/1/-9\n"};
-    const bool has_uv[] = {false, false, false, false, true};
+    const char *wrong[] = {"f 1/1/1 2/2/2 3/3/3\n",
+                           "f 1//1 2//2 3//3\n",
+                           "f 1/-1 2/-1 3/-1\n",
+                           "vt 0 0\nvn 0 0 1\nf 1/1/1 2/2/2 3/1/1\n",
+                           "vt 0 0\nf 1/1/-1 2/1/-1 3/1/-9\n",
+                           "vt 0 0\nf 1/1/0 2/1/0 3/1/0\n",
+                           "f 1/0/0 2/0/0 3/0/0\n"};
+    const bool has_uv[] = {false, false, false, false, true, true, false};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         fathom_scene *scene = read_text(unit_text(SQUARE "%s", wrong[i]));
         const uint32_t expected[3] = {0, 1, 2};

@@ -51,14 +51,15 @@ UNIT_TEST(all_number_types_are_read) {
     static const struct {
         const char *names[2];
         char code;
-    } types[] = {{{"char", "int8"}, 'b'},     {{"uchar", "uint8"}, 'b'},   {{"short", "int16"}, 's'},
-                 {{"ushort", "uint16"}, 's'}, {{"int", "int32"}, 'i'},     {{"uint", "uint32"}, 'i'},
-                 {{"float", "float32"}, 'f'}, {{"double", "float64"}, 'd'}};
-    for (int i = 0; i < 8 * 2 * FLAVOURS; ++i) {
+    } types[] = {{{"char", "int8"}, 'b'},     {{"uchar", "uint8"}, 'b'},    {{"short", "int16"}, 's'},
+                 {{"ushort", "uint16"}, 's'}, {{"int", "int32"}, 'i'},      {{"uint", "uint32"}, 'i'},
+                 {{"float", "float32"}, 'f'}, {{"double", "float64"}, 'd'}, {{"int64", "int64"}, 'l'},
+                 {{"uint64", "uint64"}, 'l'}};
+    for (int i = 0; i < 10 * 2 * FLAVOURS; ++i) {
         ply_maker m;
         char codes[32];
-        const char *name = types[i % 8].names[i / 8 % 2], code = types[i % 8].code;
-        ply_header(&m, (ply_flavour)(i / 16),
+        const char *name = types[i % 10].names[i / 10 % 2], code = types[i % 10].code;
+        ply_header(&m, (ply_flavour)(i / 20),
                    unit_text("element vertex 4\nproperty %s x\nproperty %s y\nproperty %s z\n"
                              "element face 2\nproperty list %s %s vertex_index\n",
                              name, name, name, name, name),
@@ -70,6 +71,22 @@ UNIT_TEST(all_number_types_are_read) {
         ply_row(&m, codes, (const double[]){3, 0, 1, 2, 3, 0, 2, 3});
         fathom_scene *scene = ply_read(&m);
         ply_expect_square(scene);
+    }
+}
+
+/* Some programs write names in upper case. */
+UNIT_TEST(names_of_properties_have_no_case) {
+    for (ply_maker m = {0};
+         ply_each(&m, "element vertex 4\nproperty float X\nproperty float Y\nproperty float Z\n"
+                      "property float Nx\nproperty float Ny\nproperty float Nz\n"
+                      "property uchar Red\nproperty uchar Green\nproperty uchar Blue\n"
+                      "element face 2\nproperty list uchar int Vertex_Indices\n");) {
+        for (int i = 0; i < 4; ++i) ROW(&m, "ffffffbbb", i == 1 || i == 2, i / 2, 0, 0, 0, 1, 255, 0, 0);
+        ROW(&m, "biii biii", 3, 0, 1, 2, 3, 0, 2, 3);
+        const fathom_scene *scene = ply_read(&m);
+        ply_expect_square(scene);
+        assert_true(mesh_at(scene, 0)->normals && mesh_at(scene, 0)->colors[0] == 1);
+        assert_int_equal(warning_count, 0);
     }
 }
 

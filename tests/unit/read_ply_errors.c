@@ -150,6 +150,11 @@ UNIT_TEST(wrong_bytes_name_their_offset) {
             ply_square(&m);
             ROW(&m, "bddd", 3, 0, 1, 1.5);
             expect_error(&m, "face: the index 1.5 is not a whole number");
+            ply_header(&m, (ply_flavour)flavour,
+                       XYZ "element face 1\nproperty list uchar int64 vertex_index\n", shift);
+            ply_square(&m);
+            ROW(&m, "blll", 3, 0, 1, -0x1p62);
+            expect_error(&m, "face: the index -4.61169e+18 is not a whole number below 2^53");
         }
     }
 }

@@ -93,10 +93,11 @@ UNIT_TEST(odd_normals_say_nothing_about_faces) {
 
 /* Lists whose lengths and indices have any type, next to lists that nothing reads. */
 UNIT_TEST(lists_of_every_type_are_read) {
-    static const char *const names[] = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
-    static const char codes[] = "bbssiifd";
-    for (size_t k = 0; k < 8 * 8 * FLAVOURS; ++k) {
-        const size_t length = k / FLAVOURS % 8, index = k / FLAVOURS / 8;
+    static const char *const names[] = {"char", "uchar", "short",  "ushort", "int",
+                                        "uint", "int64", "uint64", "float",  "double"};
+    static const char codes[] = "bbssiillfd";
+    for (size_t k = 0; k < 10 * 10 * FLAVOURS; ++k) {
+        const size_t length = k / FLAVOURS % 10, index = k / FLAVOURS / 10;
         const ply_flavour flavour = (ply_flavour)(k % FLAVOURS);
         char types[32];
         ply_maker m;

@@ -13,12 +13,14 @@ typedef enum scalar_type {
     SCALAR_UINT16,
     SCALAR_INT32,
     SCALAR_UINT32,
+    SCALAR_INT64,
+    SCALAR_UINT64,
     SCALAR_FLOAT32,
     SCALAR_FLOAT64
 } scalar_type;
 
 static inline size_t scalar_size(scalar_type type) {
-    static const unsigned char sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    static const unsigned char sizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
     return sizes[type];
 }
 
@@ -28,7 +30,13 @@ static inline uint32_t scalar_load_32(const unsigned char *p, bool big) {
     return big ? __builtin_bswap32(bits) : bits;
 }
 
-/* The number at any address; big: big-endian. A double represents the numbers of all types exactly. */
+static inline uint64_t scalar_load_64(const unsigned char *p, bool big) {
+    uint64_t bits;
+    memcpy(&bits, p, sizeof bits);
+    return big ? __builtin_bswap64(bits) : bits;
+}
+
+/* The number at any address; big: big-endian. Whole numbers beyond 2^53 are rounded, all others are exact. */
 static inline double scalar_load(const unsigned char *p, scalar_type type, bool big) {
     uint16_t bits16;
     uint32_t bits32;
@@ -45,13 +53,14 @@ static inline double scalar_load(const unsigned char *p, scalar_type type, bool 
         return type == SCALAR_INT16 ? (int16_t)bits16 : bits16;
     case SCALAR_INT32: return (int32_t)scalar_load_32(p, big);
     case SCALAR_UINT32: return scalar_load_32(p, big);
+    case SCALAR_INT64: return (double)(int64_t)scalar_load_64(p, big);
+    case SCALAR_UINT64: return (double)scalar_load_64(p, big);
     case SCALAR_FLOAT32:
         bits32 = scalar_load_32(p, big);
         memcpy(&single, &bits32, sizeof single);
         return (double)single;
     case SCALAR_FLOAT64:
-        memcpy(&bits64, p, sizeof bits64);
-        if (big) bits64 = __builtin_bswap64(bits64);
+        bits64 = scalar_load_64(p, big);
         memcpy(&number, &bits64, sizeof number);
         return number;
     }

@@ -132,10 +132,10 @@ static bool read_index(obj_parser *s, int kind, const char **p, uint32_t *out) {
     if (!number_read_integer(p, &index))
         return text_found(fault, at, s->keyword, "corner %zu: %s: expected an index", corner, kinds[kind]);
     int64_t found = index > 0 ? index - 1 : (int64_t)s->seen[kind] + index;
-    if (index == 0)
+    if (index == 0 && kind == OBJ_POSITION)
         return text_wrong(fault, at, s->keyword, "corner %zu: %s: 0 is no index; the first is 1", corner,
                           kinds[kind]);
-    if (index < 0 ? found >= 0 : (uint64_t)found < s->r->total[kind]) {
+    if (index < 0 ? found >= 0 : index > 0 && (uint64_t)found < s->r->total[kind]) {
         *out = (uint32_t)found;
         return true;
     }

@@ -294,9 +294,9 @@ static bool read_face(const binary_reader *b, uint64_t number, const unsigned ch
     if (!list_count(b, list, &p, &count)) return false;
     for (uint64_t i = 0; i < count; ++i, p += scalar_size(list->type)) {
         double index = scalar_load(p, list->type, b->big);
-        if (list->type >= SCALAR_FLOAT32 && (!(fabs(index) < 0x1p53) || index != floor(index)))
-            return text_wrong(&r->fault, p, b->faces.element->name, "the index %g is not a whole number",
-                              index);
+        if (list->type >= SCALAR_INT64 && (!(fabs(index) < 0x1p53) || index != floor(index)))
+            return text_wrong(&r->fault, p, b->faces.element->name,
+                              "the index %g is not a whole number below 2^53", index);
         if (!ply_push_index(r, faces, (int64_t)index, p)) return false;
     }
     if (r->looks_read) load_roles(b, b->faces.element, row, offsets, values);

@@ -54,7 +54,7 @@ static bool are_bytes(const color_rows *c, unsigned begin, unsigned end) {
 static double whole_of(const ply_reader *r, size_t element, int property) {
     if (property < 0) return 0;
     const scalar_type type = r->header.elements.items[element].properties.items[property].type;
-    return type < SCALAR_FLOAT32 ? (double)((UINT64_C(1) << 8 * scalar_size(type)) - 1) : 0;
+    return type < SCALAR_FLOAT32 ? (double)(UINT64_MAX >> (64 - 8 * scalar_size(type))) : 0;
 }
 
 /* Sets what the numbers mean. Fathom's own floats are always linear. color, alpha: properties of the

@@ -24,9 +24,10 @@ static const char *read_word(const char **p, char out[PLY_NAME]) {
 }
 
 static bool read_type(ply_reader *r, const char **p, scalar_type *out) {
-    /* Two names for each type, in the order of scalar_type. */
+    /* Two names for each type, in the order of scalar_type. PLY has no integers of 64 bits; trimesh and other
+     * programs of Python write those of NumPy. */
     static const char names[] = "char|int8|uchar|uint8|short|int16|ushort|uint16|int|int32|uint|uint32|"
-                                "float|float32|double|float64";
+                                "int64|int64|uint64|uint64|float|float32|double|float64";
     char word[PLY_NAME], quote[48];
     const char *at = read_word(p, word);
     int found = words_find(names, word, strlen(word));

@@ -12,12 +12,20 @@ static size_t find_element(const ply_header *header, const char *name) {
     return SIZE_MAX;
 }
 
+/* The place of the name in the list of lower-case names; -1: none. Some programs write X, Nx or Red. */
+static int find_name(const char *names, const char *name) {
+    char lower[PLY_NAME];
+    size_t length = 0;
+    for (; name[length]; ++length)
+        lower[length] = name[length] >= 'A' && name[length] <= 'Z' ? (char)(name[length] + 32) : name[length];
+    return words_find(names, lower, length);
+}
+
 /* The first property that has the earliest possible name of the list; -1: none. */
 static int find_property(const ply_element *element, const char *names) {
     int found = -1, best = INT_MAX;
     for (size_t i = 0; i < element->properties.count; ++i) {
-        const char *name = element->properties.items[i].name;
-        int word = words_find(names, name, strlen(name));
+        const int word = find_name(names, element->properties.items[i].name);
         if (word >= 0 && word < best) best = word, found = (int)i;
     }
     return found;
@@ -207,7 +215,7 @@ static bool is_color(const ply_element *element, const char *name) {
     bool whole = true;
     int channel = 4;
     for (int c = 0; c < 4; ++c) {
-        if (words_find(color_names[c], name, strlen(name)) >= 0) channel = c;
+        if (find_name(color_names[c], name) >= 0) channel = c;
         whole &= c == 3 || find_property(element, color_names[c]) >= 0;
     }
     return channel < (whole ? 4 : strlen(name) > 1 ? 3 : 0);
