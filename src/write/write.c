@@ -73,6 +73,11 @@ static bool is_sheared(const fathom_scene *scene, const fathom_map *map, int kin
     return write_turn_of(map->transform).sheared;
 }
 
+static bool repeats(const fathom_scene *scene, const fathom_map *map) {
+    const fathom_texture *texture = &scene->textures.items[map->texture];
+    return texture->wrap_u == FATHOM_WRAP_REPEAT && texture->wrap_v == FATHOM_WRAP_REPEAT;
+}
+
 /* Counts images of materials; NULL: all. */
 static size_t count_maps(const fathom_scene *scene,
                          bool (*counts)(const fathom_scene *scene, const fathom_map *map, int kind)) {
@@ -221,7 +226,7 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
     if (status == FATHOM_OK) status = count_bare(scene, graph, &bare);
     if (status == FATHOM_OK && format & MESHES) status = write_count_stretched(scene, graph, &stretched);
     const bool far = status == FATHOM_OK && write_is_far(&world);
-    const bool image = format == PLY && write_ply_image(scene, graph);
+    const fathom_map *image = format == PLY ? write_ply_image(scene, graph) : NULL;
     const size_t cameras = scene->cameras.count, taken = cameras && scene->camera_taken != FATHOM_NONE;
     const struct {
         unsigned lacking;
@@ -254,7 +259,9 @@ static fathom_status note_lost(const fathom_scene *scene, const scene_graph *gra
         {GLB, count_filters(scene, FATHOM_TEXTURE_STOCHASTIC),
          "the filter stochastic of an image is trilinear"},
         {PLY, scene->materials.count - 1, "a material is left out"},
-        {PLY, count_maps(scene, NULL) - image, "an image on a surface is left out"},
+        {PLY, count_maps(scene, NULL) - (image ? 1 : 0), "an image on a surface is left out"},
+        {PLY, image && !repeats(scene, image),
+         "an image that is clamped or mirrored repeats outside of itself"},
         {OBJ, count_colors(scene, false), "the colour of a vertex is cut to 1"},
         {OBJ, count_colors(scene, true), "the opacity of a vertex is left out"},
         {OBJ, count_arrays(scene, MESH_UVS_1), "the second uv set of a mesh is left out"},

@@ -190,7 +190,8 @@ static void put_image(const write_library *l, file_writer *t, const struct mtl_i
     file_writer_print(t, "%s", key->key);
     if (a != 1 || s1 != 1) file_writer_print(t, " -s %.9g %.9g 1", a, s1);
     if (c != 0 || o1 != 0) file_writer_print(t, " -o %.9g %.9g 0", c, o1);
-    if (texture->wrap_u == FATHOM_WRAP_CLAMP) file_writer_print(t, " -clamp on");
+    if (texture->wrap_u == FATHOM_WRAP_CLAMP && texture->wrap_v == FATHOM_WRAP_CLAMP)
+        file_writer_print(t, " -clamp on");
     if (!key->color) file_writer_print(t, " -imfchan %c", "rgbm"[map->channel]);
     const float bump = key->map == FATHOM_MAP_NORMAL ? m->normal_scale
                        : key->map == FATHOM_MAP_BUMP ? m->bump_scale
@@ -199,12 +200,16 @@ static void put_image(const write_library *l, file_writer *t, const struct mtl_i
     file_writer_print(t, " %s%s\n", write_before_name(name_of(l, map)), name_of(l, map));
 }
 
-/* True if the format can hold the map's transform, wrap mode and channel. */
-static bool is_plain(const fathom_scene *scene, const fathom_map *map, bool color) {
-    const fathom_texture *texture = &scene->textures.items[map->texture];
+/* True if the format can hold the map's transform and channel. */
+static bool is_plain(const fathom_map *map, bool color) {
     return map->uv_set == 0 && !map->inverted && map->transform[1] == 0 && map->transform[3] == 0 &&
-           texture->wrap_u == texture->wrap_v && texture->wrap_u != FATHOM_WRAP_MIRROR &&
            (!color || !map->channel);
+}
+
+/* Such an image is written all the same: most texture coordinates lie inside it. */
+static bool wraps_otherwise(const fathom_scene *scene, const fathom_map *map) {
+    const fathom_texture *texture = &scene->textures.items[map->texture];
+    return texture->wrap_u != texture->wrap_v || texture->wrap_u == FATHOM_WRAP_MIRROR;
 }
 
 /* Readers take Kd 0 or Ke 0 with an image for 1. A factor of 0 leaves nothing of the image, which then needs
@@ -217,21 +222,24 @@ static bool shows(const fathom_material *m, fathom_map_kind kind) {
 }
 
 static void put_images(const write_library *l, file_writer *t, const fathom_material *m) {
-    size_t left = 0;
+    size_t left = 0, wrapped = 0;
     for (fathom_map_kind k = 0; k < FATHOM_MAPS; ++k)
         left += m->maps[k].texture != FATHOM_NONE && shows(m, k);
     for (size_t i = 0; i < IMAGES; ++i) {
         const fathom_map *map = &m->maps[images[i].map];
         if (!shows(m, images[i].map)) continue;
-        if (map->texture == FATHOM_NONE || !is_plain(l->scene, map, images[i].color)) continue;
+        if (map->texture == FATHOM_NONE || !is_plain(map, images[i].color)) continue;
         if (images[i].map == FATHOM_MAP_BUMP && mtl_says_normal(name_of(l, map))) continue;
         put_image(l, t, &images[i], m);
+        wrapped += wraps_otherwise(l->scene, map);
         --left;
     }
     if (left)
-        notes_add(l->notes, left, "",
-                  "an image that MTL has no place for, by its parameter, its turn, its uv set "
-                  "or its wrapping, is left out");
+        notes_add(
+            l->notes, left, "",
+            "an image that MTL has no place for, by its parameter, its turn or its uv set, is left out");
+    notes_add(l->notes, wrapped, "",
+              "an image that is mirrored, or clamped in one direction, repeats outside of itself");
 }
 
 fathom_status write_mtl(const write_library *l, const char *path) {

@@ -130,9 +130,7 @@ const fathom_map *write_ply_image(const fathom_scene *scene, const scene_graph *
         return NULL;
     const fathom_material *m = &scene->materials.items[search.material].value;
     const fathom_map *map = &m->maps[material_only_emits(m) ? FATHOM_MAP_EMISSIVE : FATHOM_MAP_COLOR];
-    if (map->texture == FATHOM_NONE || map->uv_set) return NULL;
-    const fathom_texture *texture = &scene->textures.items[map->texture];
-    return texture->wrap_u == FATHOM_WRAP_REPEAT && texture->wrap_v == FATHOM_WRAP_REPEAT ? map : NULL;
+    return map->texture == FATHOM_NONE || map->uv_set ? NULL : map;
 }
 
 static fathom_status put_image(ply *p) {

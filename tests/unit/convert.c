@@ -213,6 +213,34 @@ UNIT_TEST(mtl_keeps_metal_and_its_images) {
     unlink(in_folder("a-0.png"));
 }
 
+/* MTL repeats or clamps images in both directions, PLY repeats them. Most texture coordinates lie inside. */
+UNIT_TEST(images_of_other_wrapping_are_kept_and_reported) {
+    for (int i = 0; i < 2 * 9; ++i) {
+        const char *file = i < 9 ? "a.obj" : "a.ply";
+        const fathom_texture texture = {.size = sizeof texture,
+                                        .bytes = "\x89PNG\r\n",
+                                        .byte_count = 6,
+                                        .wrap_u = (fathom_wrap)(i % 3),
+                                        .wrap_v = (fathom_wrap)(i / 3 % 3)};
+        const bool equal = texture.wrap_u == texture.wrap_v,
+                   clamps = equal && texture.wrap_u == FATHOM_WRAP_CLAMP,
+                   same = (equal && texture.wrap_u == FATHOM_WRAP_REPEAT) || (clamps && i < 9);
+        fathom_material m = default_material();
+        m.model = FATHOM_MODEL_METALLIC_ROUGHNESS;
+        m.maps[FATHOM_MAP_COLOR] = (fathom_map){.texture = 0, .transform = {1, 0, 0, 0, 1, 0}};
+        forget_warnings();
+        const fathom_scene *back = written(wearing(&m, &texture), file);
+        const fathom_texture *got = &back->textures.items[0];
+        assert_int_equal(back->textures.count, 1);
+        assert_int_equal(got->wrap_u, same ? texture.wrap_u : FATHOM_WRAP_REPEAT);
+        assert_int_equal(got->wrap_v, same ? texture.wrap_v : FATHOM_WRAP_REPEAT);
+        assert_int_equal(strstr(warned, "repeats outside of itself") == NULL, same);
+        assert_null(strstr(warned, "an image on"));
+        assert_null(strstr(warned, "an image that MTL"));
+        unlink(in_folder("a-0.png"));
+    }
+}
+
 /* Scene JSON has opacity, and one minus an older workflow's glossiness, as an image of its own, and linear.
  * In glTF they are the alpha of the colour's image. */
 UNIT_TEST(glb_keeps_the_alpha_of_a_colour_image) {
