@@ -72,9 +72,10 @@ int file_in_memory(const void *bytes, size_t size);
 
 /* The path of `name` next to the file `base`, unless name is absolute. Release with free(). */
 char *file_beside(const char *base, const char *name);
-/* Finds a file whose path equals `path` except for the case of A to Z from index `from` on. Paths written on
- * Windows need this. Each part of the path matches exactly if possible, else the first match by strcmp() is
- * taken. NULL: no such file, or out of memory. Release with free(). */
+/* Finds a file whose path equals `path` from index `from` on as far as computers differ: in the case of
+ * letters, in Latin-1 in place of UTF-8 (Windows), and in marks behind their letters (macOS). Each part of
+ * the path matches exactly if possible, else the first match by strcmp() is taken. NULL: no such file, or out
+ * of memory. Release with free(). */
 char *file_of_any_case(const char *path, size_t from);
 /* True if the ".." in a path lead above its start. Symbolic links are not followed. */
 bool file_climbs_out(const char *path);

@@ -7,7 +7,6 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 const char *file_name(const char *path) {
@@ -53,37 +52,79 @@ char *file_beside(const char *base, const char *name) {
     return path;
 }
 
-/* Replaces the last part of `path`, of `length` bytes, by an entry of its folder that differs only in case.
- * False if there is none. */
-static bool take_entry(char *path, size_t length) {
-    char *part = path + strlen(path) - length, best[NAME_MAX + 1] = "";
-    const char first = *part;
-    *part = '\0';
-    DIR *folder = opendir(*path ? path : ".");
-    *part = first;
-    for (const struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {
-        const bool same = strlen(entry->d_name) == length && strcasecmp(entry->d_name, part) == 0;
+/* ---- names from other computers ---- */
+
+enum { FOLDED_MAX = 2 * NAME_MAX };
+
+/* The letters and marks of the lower-case characters from U+E0 on. Letter 0: not a letter with a mark. */
+static const char letters[32] = "aaaaaa\0ceeeeiiii\0nooooo\0\0uuuuy\0y";
+static const unsigned char marks[32] = {0x0, 0x1, 0x2, 0x3, 0x8, 0xa, 0,   0x27, 0x0, 0x1, 0x2,
+                                        0x8, 0x0, 0x1, 0x2, 0x8, 0,   0x3, 0x0,  0x1, 0x2, 0x3,
+                                        0x8, 0,   0,   0x0, 0x1, 0x2, 0x8, 0x1,  0,   0x8};
+
+/* Writes the name's characters as it would be for all computers, and returns their count: in lower case, from
+ * UTF-8, or else Latin-1 as Windows has it, and with marks behind their letters as macOS has them. Case and
+ * marks are those of Latin-1 alone. */
+static size_t fold(const char *name, size_t length, unsigned out[FOLDED_MAX]) {
+    size_t count = 0;
+    for (const char *end = name + length; name < end && count + 1 < FOLDED_MAX;) {
+        unsigned code;
+        const size_t bytes = text_character(name, &code);
+        if (!bytes) code = (unsigned char)*name;
+        name += bytes ? bytes : 1;
+        if ((code >= 'A' && code <= 'Z') || (code >= 0xc0 && code <= 0xde && code != 0xd7)) code += 32;
+        const bool marked = code >= 0xe0 && code <= 0xff && letters[code - 0xe0];
+        out[count++] = marked ? (unsigned char)letters[code - 0xe0] : code;
+        if (marked) out[count++] = 0x300u + marks[code - 0xe0];
+    }
+    return count;
+}
+
+/* The entry of the folder that has this name on another computer, the first by strcmp(); "": none. */
+static void find_entry(const char *folder, const char *name, size_t length, char best[NAME_MAX + 1]) {
+    unsigned wanted[FOLDED_MAX], found[FOLDED_MAX];
+    const size_t count = fold(name, length, wanted);
+    DIR *entries = opendir(*folder ? folder : ".");
+    *best = '\0';
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+        const bool same = fold(entry->d_name, strlen(entry->d_name), found) == count &&
+                          memcmp(found, wanted, count * sizeof *found) == 0;
         if (same && (!*best || strcmp(entry->d_name, best) < 0)) strcpy(best, entry->d_name);
     }
-    if (folder) closedir(folder);
-    if (*best) memcpy(part, best, length);
-    return *best;
+    if (entries) closedir(entries);
+}
+
+/* `path` and the part, in a string of its own; NULL: out of memory. */
+static char *longer(const char *path, const char *part, size_t length) {
+    const size_t before = strlen(path);
+    char *out = malloc(before + length + 1);
+    if (!out) return NULL;
+    memcpy(out, path, before);
+    memcpy(out + before, part, length);
+    out[before + length] = '\0';
+    return out;
+}
+
+/* `path`, which is released, and the part as an existing file has it; NULL: there is none. */
+static char *step(char *path, const char *part, size_t length) {
+    char best[NAME_MAX + 1], *out = longer(path, part, length);
+    if (out && *part != '/' && access(out, F_OK) != 0) {
+        find_entry(path, part, length, best);
+        free(out);
+        out = *best ? longer(path, best, strlen(best)) : NULL;
+    }
+    free(path);
+    return out;
 }
 
 char *file_of_any_case(const char *path, size_t from) {
-    char *out = strdup(path);
-    bool found = out != NULL;
-    for (char *part = out + from; found && *part;) {
-        const size_t length = strcspn(part, "/");
-        const char after = part[length];
-        part[length] = '\0';
-        found = !length || access(out, F_OK) == 0 || take_entry(out, length);
-        part[length] = after;
-        part += length + (after ? 1 : 0);
+    char *out = strndup(path, from);
+    for (const char *part = path + from; out && *part;) {
+        const size_t slashes = strspn(part, "/"), length = slashes ? slashes : strcspn(part, "/");
+        out = step(out, part, length);
+        part += length;
     }
-    if (found) return out;
-    free(out);
-    return NULL;
+    return out;
 }
 
 /* ---- the paths in input files ---- */

@@ -75,6 +75,26 @@ UNIT_TEST(root_and_working_folders_confine_too) {
     assert_int_equal(chdir(before), 0);
 }
 
+/* "Ä" is one byte in Latin-1, one character in UTF-8, and on macOS a letter and a mark. */
+UNIT_TEST(names_are_found_in_any_encoding) {
+    static const char *const forms[] = {"b\xc3\xa4\xc3\xb1", "B\xe4\xf1", "b\xc4\xd1", "ba\xcc\x88n\xcc\x83",
+                                        "B\xc3\x84\xc3\x91"};
+    static const char *const others[] = {"ban", "b\xc3\xa5\xc3\xb1", "b\xc3\xa4", "b\xc3\xa4\xc3\xb1\xc3\xb1",
+                                         "b\xd7\xf1"};
+    const size_t from = strlen(folder) + 1;
+    for (size_t i = 0; i < COUNT(forms); ++i) {
+        unit_write_file(in_folder(forms[i]), "", 0);
+        for (size_t k = 0; k < COUNT(forms); ++k) {
+            char *found = file_of_any_case(in_folder(forms[k]), from);
+            assert_non_null(found);
+            assert_string_equal(found, in_folder(forms[i]));
+            free(found);
+        }
+        for (size_t k = 0; k < COUNT(others); ++k) assert_null(file_of_any_case(in_folder(others[k]), from));
+        unlink(in_folder(forms[i]));
+    }
+}
+
 /* Of each part that names nothing the letters of what is there; the first of several. */
 UNIT_TEST(names_are_found_in_any_case) {
     static const char *const names[][2] = {{"box/inner/a", "box/inner/a"},
