@@ -25,6 +25,7 @@ UNIT_TEST(extensions_that_change_no_image_add_no_note) {
                                         "KHR_implicit_shapes",
                                         "EXT_structural_metadata",
                                         "EXT_mesh_manifold",
+                                        "FB_ngon_encoding",
                                         "AGI_stk_metadata",
                                         "GODOT_single_root",
                                         "MSFT_lod",

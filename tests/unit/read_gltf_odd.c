@@ -170,6 +170,23 @@ UNIT_TEST(odd_normals_become_zeros) {
     expect_warning("a NaN or an infinity in NORMAL");
 }
 
+/* Assimp writes three numbers; the third has no meaning for an image. */
+UNIT_TEST(texture_coordinates_lose_a_third_number) {
+    triangle_data data = triangle;
+    for (size_t i = 0; i < 3; ++i)
+        data.normals[i][0] = (float)i, data.normals[i][1] = 2 * (float)i, data.normals[i][2] = 9;
+    write_glb(MESH("'attributes':{'POSITION':0,'TEXCOORD_0':4},'indices':1"), &data, sizeof data);
+    const fathom_scene *scene = read_file();
+    const fathom_mesh *m = &scene->meshes.items[0];
+    for (size_t i = 0; i < 3; ++i) {
+        const float *uv = mesh_row(m->uvs, m->uv_stride, i);
+        assert_true(uv[0] == (float)i && uv[1] == 2 * (float)i);
+    }
+    assert_int_equal(warning_count, 1);
+    expect_warning(
+        "attributes.TEXCOORD_0: texture coordinates of three numbers, which are against the format");
+}
+
 /* Colours in bytes are parts of 255, whether the file says so or not. */
 UNIT_TEST(colours_in_bytes_are_normalized) {
     triangle_data data = triangle;

@@ -206,9 +206,20 @@ static bool find_accessor(gltf *g, const gltf_value *user, const char *key, uint
     return gltf_fine(g);
 }
 
+/* Assimp writes the third number of texture coordinates that its source has. */
+static bool has_third(const char *key, unsigned components, const accessor *a) {
+    return components == 2 && a->components == 3 && strncmp(key, "TEXCOORD_", 9) == 0;
+}
+
 static void check_kind(gltf *g, const gltf_value *user, const char *key, uint32_t index, unsigned components,
                        unsigned takes, const accessor *a) {
-    if (a->components == components && takes & takes_bit(a->type)) return;
+    const bool third = has_third(key, components, a);
+    if ((a->components == components || third) && takes & takes_bit(a->type)) {
+        if (third)
+            gltf_note(g, user, key,
+                      "texture coordinates of three numbers, which are against the format, lose the third");
+        return;
+    }
     gltf_fail(g, user, key, "is accessors[%u] of %u × %s; expected %u × %s%s%s", index, a->components,
               type_name(a->type), components, takes & GLTF_TAKES_FLOAT ? "float" : "unsigned int",
               takes & GLTF_TAKES_SIGNED ? ", byte, short" : "",

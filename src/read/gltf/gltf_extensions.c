@@ -26,9 +26,10 @@ static bool is_invisible(const char *name) {
                  "KHR_audio_emitter|KHR_audio_graph|KHR_physics_rigid_bodies|KHR_collision_shapes|"
                  "KHR_implicit_shapes|EXT_mesh_features|EXT_instance_features|EXT_structural_metadata|"
                  "EXT_feature_metadata|EXT_mesh_manifold|EXT_mesh_primitive_restart|FB_geometry_metadata|"
-                 "AGI_articulations|AGI_stk_metadata|GODOT_single_root|GRIFFEL_bim_data|MPEG_audio_spatial|"
-                 "MPEG_viewport_recommended|MSFT_lod|MSFT_packing_normalRoughnessMetallic|"
-                 "MSFT_packing_occlusionRoughnessMetallic|VRMC_vrm|VRMC_springBone",
+                 "FB_ngon_encoding|AGI_articulations|AGI_stk_metadata|GODOT_single_root|GRIFFEL_bim_data|"
+                 "MPEG_audio_spatial|MPEG_viewport_recommended|MSFT_lod|"
+                 "MSFT_packing_normalRoughnessMetallic|MSFT_packing_occlusionRoughnessMetallic|VRMC_vrm|"
+                 "VRMC_springBone",
                  name);
 }
 
