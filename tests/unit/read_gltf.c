@@ -195,6 +195,23 @@ UNIT_TEST(many_sparse_elements_need_no_view) {
     assert_int_equal(scene->meshes.items[0].vertex_count, COUNT);
 }
 
+/* Content decides which of the two forms a file has, not its name. */
+UNIT_TEST(text_and_binary_files_may_swap_their_names) {
+    const char *json = SHOWN(TRIANGLE_MESH);
+    unsigned char glb[4096];
+    write_bytes("test.gltf", glb, make_glb(json, &triangle, sizeof triangle, glb));
+    assert_is_triangle(read_file(), 0, (const int[3]){0, 1, 2});
+    char base64[256], text[4096];
+    encode_base64((const unsigned char *)&triangle, sizeof triangle, base64);
+    snprintf(text, sizeof text,
+             "\xef\xbb\xbf\n {" ASSET ",'buffers':[{'byteLength':120,'uri':'data:;base64,%s'}]," VIEWS
+             "," ACCESSORS "," TRIANGLE_MESH "}",
+             base64);
+    for (char *c = text; *c; ++c) *c = *c == '\'' ? '"' : *c;
+    write_bytes("test.glb", text, strlen(text));
+    assert_is_triangle(read_file(), 0, (const int[3]){0, 1, 2});
+}
+
 /* Every number of bytes at the end: 0, 1 or 2 over a multiple of three. */
 UNIT_TEST(base64_buffers_are_decoded) {
     for (size_t extra = 0; extra < 3; ++extra) {

@@ -32,8 +32,10 @@ UNIT_TEST(broken_containers_are_refused) {
         write_bytes("test.glb", changed, size);
         assert_rejected(cases[i].text);
     }
+    write_bytes("test.glb", "[]", 2);
+    assert_rejected("at byte 0: expected the magic number");
     write_bytes("test.glb", "{}", 2);
-    assert_rejected("at byte 0: ");
+    assert_rejected("asset.version: is missing");
     write_bytes("test.glb", "glTF", 4);
     assert_rejected("at byte 4: ");
     write_bytes("test.gltf", "{\n\"asset\": {,}\n}", 16);

@@ -107,6 +107,13 @@ static void release_source(void *data) {
     free(source);
 }
 
+/* True for JSON, which some programs give the name of a binary file. */
+static bool begins_object(const file_map *map) {
+    const char *text = (const char *)map->bytes, *end = text + map->size, *p = text_after_mark(text, end);
+    while (p < end && isspace((unsigned char)*p)) ++p;
+    return p < end && *p == '{';
+}
+
 void gltf_open(gltf *g) {
     char extension[16];
     g->source = calloc(1, sizeof *g->source);
@@ -118,7 +125,7 @@ void gltf_open(gltf *g) {
     file_extension(g->path, extension);
     if (map->size >= 4 && memcmp(map->bytes, "glTF", 4) == 0) {
         read_chunks(g, map);
-    } else if (strcmp(extension, "glb") == 0) {
+    } else if (strcmp(extension, "glb") == 0 && !begins_object(map)) {
         fail_byte(g, 0, "expected the magic number \"glTF\" of a binary glTF file");
     } else {
         parse_json(g, (const char *)map->bytes, map->size, 0);
