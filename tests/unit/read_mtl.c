@@ -228,6 +228,9 @@ UNIT_TEST(clear_metallic_materials_transmit) {
 }
 
 UNIT_TEST(omissions_are_reported) {
+    material_of("Kd 1 1 1\nfoo 0.5\nmap_opacity a.png\nmap_ORM b.png\n");
+    expect_warning("m.mtl:3: statements that are not read are left out (1 such, the first here: \"foo\")");
+    expect_warning("m.mtl:4: images of unknown keys are left out (2 such, the first here: \"map_opacity\")");
     material_of("Kd 1 1 1\nfoo 0.5\nKs spectral x.rfl\nbar 1\nTf 0.5 1 1\nd -halo 1\nillum 10\n");
     expect_warning("m.mtl:3: statements that are not read are left out (2 such, the first here: \"foo\")");
     expect_warning("m.mtl:4: colours as spectra or in xyz are not read (1 such");

@@ -176,8 +176,7 @@ const mtl_field mtl_fields[MTL_KINDS] = {
     [MTL_ANISOR] = {"anisor", offsetof(mtl_entry, anisor), 1, -1, 1},
 };
 
-/* Images: the map of each keyword, and the kind of value that defaults to 1 if an image is given. -1:
- * none. */
+/* Images: the map of each keyword, and the kind of value that an image sets to 1. -1: none. */
 static const struct mtl_map {
     const char *keyword;
     int map, kind;
@@ -398,7 +397,10 @@ static bool read_line(mtl_reader *r, const char *at) {
     }
     bool known = false;
     if (!read_map(r, at, &known)) return false;
-    if (!known) note_word(r, at, "statements that are not read are left out");
+    if (!known)
+        note_word(r, at,
+                  strncasecmp(at, "map_", 4) == 0 ? "images of unknown keys are left out"
+                                                  : "statements that are not read are left out");
     return true;
 }
 
