@@ -22,8 +22,8 @@ static inline float cos_less(float cos_a, float cos_b, float sin_b) {
  * the nearest point. Distances are at least half of the half diagonal, because a large light sends a bounded
  * amount to a point near it. One of many lights may be very near, so the squared distance of a node is the
  * product of the distances of the centre and of the nearest point. A beam sends light if its bound may reach
- * the point, and twice as much if its centre does. leaf: 1 for a single light, 0 for a node. */
-static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 n, float leaf,
+ * the point, and twice as much if its centre does. leaf: all ones for a single light, 0 for a node. */
+static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 n, uint32_t leaf,
                              float *restrict unsure) {
     const float one_sided = n.x != 0 || n.y != 0 || n.z != 0 ? 1 : 0;
     float x = node->x[i] - p.x, y = node->y[i] - p.y, z = node->z[i] - p.z;
@@ -47,17 +47,16 @@ static inline float light_of(const tree_node *node, int i, vec3_f32 p, vec3_f32 
     sent = spread < 0 ? lit : sent;
     float most_sent = spread < 0 || sent > most_off ? sent : most_off;
     float within = 0.25f * r2, far = square > within ? square : within;
-    far = leaf > 0 ? far : sqrtf(far) * sqrtf(nearest + r2 / 64); /* the product may overflow */
-    const float near = least(inverse * inverse, 0x1p96f);         /* a power is below 2^28 */
-    *unsure = leaf > 0 ? 0 : node->power[i] * most_sent * most_met * near * least(1, r2 * near);
+    far = chosen(leaf, far, sqrtf(far) * sqrtf(nearest + r2 / 64)); /* the product may overflow */
+    const float near = least(inverse * inverse, 0x1p96f);           /* a power is below 2^28 */
+    *unsure = chosen(leaf, 0, node->power[i] * most_sent * most_met * near * least(1, r2 * near));
     return node->power[i] * sent * met / (far + 0x1p-120f);
 }
 
 static void weigh(const tree_node *node, vec3_f32 p, vec3_f32 n, float weight[restrict TREE_WIDE],
                   float unsure[restrict TREE_WIDE]) {
-    float leaf[TREE_WIDE];
-    for (int i = 0; i < TREE_WIDE; ++i) leaf[i] = (float)(node->child[i] >> 31);
-    for (int i = 0; i < TREE_WIDE; ++i) weight[i] = light_of(node, i, p, n, leaf[i], &unsure[i]);
+    for (int i = 0; i < TREE_WIDE; ++i)
+        weight[i] = light_of(node, i, p, n, node->child[i] & TREE_LEAF ? ~0u : 0, &unsure[i]);
 }
 
 static inline float sum_of(const float value[TREE_WIDE]) {
@@ -239,7 +238,7 @@ static inline void weigh_light(const tree *t, int k, const lanes3 p, const lanes
     for (int i = 0; i < LANES; ++i) {
         const vec3_f32 at = {scale * p[0][i], scale * p[1][i], scale * p[2][i]};
         float unsure;
-        weight[i] = (double)light_of(t->nodes, k, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, 1, &unsure);
+        weight[i] = (double)light_of(t->nodes, k, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, ~0u, &unsure);
     }
 }
 
