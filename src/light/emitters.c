@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define READY_MOST (1u << 15) /* 4 MB */
+#define READY_MOST (1u << 17) /* 17 MB */
 
 /* ---- one lane ---- */
 
@@ -211,12 +211,12 @@ static emitter_part choose_part(const emitter_shares *shares, double *u) {
 
 static void choose_of_many(const emitters *e, unsigned lanes, double u[LANES], emitter_choices *c) {
     const emitter_query *q = c->from;
-    tree_factors factors[LANES] = {NULL};
-    for (unsigned left = e->seen.tables ? lanes : 0; left; left &= left - 1) {
+    const tree_view *views[LANES] = {NULL};
+    for (unsigned left = e->views.items ? lanes : 0; left; left &= left - 1) {
         const unsigned i = lane_first(left);
-        factors[i] = emitters_find_factors(e, lane_f32(q->p, i), lane_f32(q->n, i));
+        views[i] = emitters_find_view(e, lane_f32(q->p, i), lane_f32(q->n, i));
     }
-    e->lights.kernels->choose(&e->lights, q->p, q->n, e->seen.tables ? factors : NULL, lanes, u, c->emitter,
+    e->lights.kernels->choose(&e->lights, q->p, q->n, e->views.items ? views : NULL, lanes, u, c->emitter,
                               c->chance);
 }
 
@@ -300,6 +300,6 @@ float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 d
     const uint32_t slot = e->slot_of[run->first + index];
     if (slot == FATHOM_NONE) return 0;
     if (density > 0 && e->only == FATHOM_NONE)
-        density *= tree_chance(&e->lights, p, n, emitters_factors(e, p, n), slot);
+        density *= tree_chance(&e->lights, p, n, emitters_view(e, p, n), slot);
     return density_f32(density * emitters_shares(e, p, n)->of[EMITTER_FINITE]);
 }

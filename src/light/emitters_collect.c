@@ -315,6 +315,7 @@ void emitters_destroy(emitters *e) {
     free(e->skies);
     free(e->seen.splits);
     free(e->seen.tables);
+    emitters_forget_views(e);
     free(e->splits);
     free(e->regions);
     free(e);

@@ -1,11 +1,12 @@
 /* Internals of emitters, shared by emitters*.c. */
 #pragma once
 
+#include "base/array.h"
 #include "light/emitters.h"
 #include "light/environment.h"
 #include "light/light.h"
 #include "light/shape_block.h"
-#include "light/tree.h"
+#include "light/tree_view.h"
 #include "material/textured.h"
 #include "math/lane.h"
 
@@ -24,6 +25,14 @@ typedef struct emitter_seen {
     uint32_t root; /* as region_split.below; leaves: 0: no factors; k: the k-th table */
     float *tables; /* factors of the light tree; NULL: regions have none */
 } emitter_seen;
+
+/* Regions of surfaces, and views of the finite lights: emitters_views.c. */
+typedef struct emitter_views {
+    tree_view *items; /* NULL: there are none */
+    size_t count, capacity;
+    ARRAY(region_split) splits;
+    uint32_t root; /* as region_split.below; leaves are views */
+} emitter_views;
 
 /* Probabilities of the classes; they add up to 1, or are all 0. */
 typedef struct emitter_shares {
@@ -92,6 +101,7 @@ struct emitters {
     emitter_one one;
     tree lights;
     emitter_seen seen;
+    emitter_views views;
     const shape_kernels *shapes;
     const light_kernels *points;
     emitter_lamp *lamps;
@@ -128,15 +138,25 @@ bool emitters_learn_regions(emitters *e, const emitter_lesson *from);
 
 /* ---- emitters_seen.c ---- */
 
-/* The light tree's factors at a point p with the normal n, as in emitter_query; NULL: all are 1. */
-tree_factors emitters_find_factors(const emitters *e, vec3_f32 p, vec3_f32 n);
-static inline tree_factors emitters_factors(const emitters *e, vec3_f32 p, vec3_f32 n) {
-    return e->seen.tables ? emitters_find_factors(e, p, n) : NULL;
-}
-/* Call at most once. False: out of memory. */
+/* Sets the factors of regions. Call at most once. False: out of memory. */
 bool emitters_learn_seen(emitters *e, const emitter_lesson *from);
+/* The factors of a leaf of emitter_seen. */
+static inline tree_factors emitters_table(const emitters *e, uint32_t leaf) {
+    return leaf ? e->seen.tables + (size_t)(leaf - 1) * e->lights.rows * TREE_WIDE : NULL;
+}
 /* The probability of the choice of a light, from all finite lights, before learning over that now. */
 double emitters_seen_change(const emitters *e, const emitter_glance *g);
+
+/* ---- emitters_views.c ---- */
+
+/* The view of the finite lights at a point p with the normal n, as in emitter_query; NULL: there is none. */
+const tree_view *emitters_find_view(const emitters *e, vec3_f32 p, vec3_f32 n);
+static inline const tree_view *emitters_view(const emitters *e, vec3_f32 p, vec3_f32 n) {
+    return e->views.items ? emitters_find_view(e, p, n) : NULL;
+}
+/* Call at most once, after emitters_learn_seen(). False: out of memory. */
+bool emitters_learn_views(emitters *e, const emitter_lesson *from);
+void emitters_forget_views(emitters *e);
 
 static inline float luminance(const float rgb[3]) {
     return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2];

@@ -122,7 +122,7 @@ static float density_of(const lamp_search *s, uint32_t k, const shape_cone *cone
     const emitters *e = s->e;
     double chance = emitters_shares(e, s->ray->p, s->ray->n)->of[EMITTER_FINITE];
     if (e->only == FATHOM_NONE)
-        chance *= tree_chance(&e->lights, s->ray->p, s->ray->n, emitters_factors(e, s->ray->p, s->ray->n),
+        chance *= tree_chance(&e->lights, s->ray->p, s->ray->n, emitters_view(e, s->ray->p, s->ray->n),
                               e->slot_of[e->surface_count + k]);
     return density_f32(chance / shape_cone_angle(cone));
 }

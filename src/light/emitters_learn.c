@@ -74,5 +74,6 @@ static bool learn_skies(emitters *e, const emitter_lesson *from) {
 
 bool emitters_learn(emitters *e, const emitter_lesson *from) {
     const bool fine = e->sky_count ? learn_skies(e, from) : learn_even(e, from);
-    return fine && emitters_learn_seen(e, from) && emitters_learn_regions(e, from);
+    return fine && emitters_learn_seen(e, from) && emitters_learn_views(e, from) &&
+           emitters_learn_regions(e, from);
 }

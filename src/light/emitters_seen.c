@@ -20,18 +20,12 @@
  * variance where the samples missed something. */
 #define DEFENCE 0.05
 
-tree_factors emitters_find_factors(const emitters *e, vec3_f32 p, vec3_f32 n) {
-    const float at[6] = {p.x, p.y, p.z, n.x, n.y, n.z};
-    const uint32_t table = region_find(e->seen.splits, e->seen.root, at, 1);
-    return table ? e->seen.tables + (size_t)(table - 1) * e->lights.rows * TREE_WIDE : NULL;
-}
-
 double emitters_seen_change(const emitters *e, const emitter_glance *g) {
     const vec3_f32 p = load_f32(g->at), n = load_f32(g->at + 3);
-    const tree_factors factors = emitters_factors(e, p, n);
-    if (!factors || !(g->light > 0)) return 1;
+    const tree_view *view = emitters_view(e, p, n);
+    if (!view || !view->factors || !(g->light > 0)) return 1;
     const uint32_t slot = e->slot_of[g->emitter];
-    const double now = tree_chance(&e->lights, p, n, factors, slot);
+    const double now = tree_chance(&e->lights, p, n, view, slot);
     return now > 0 ? tree_chance(&e->lights, p, n, NULL, slot) / now : 1;
 }
 

@@ -1,4 +1,4 @@
-#include "light/tree.h"
+#include "light/tree_view.h"
 
 #include "base/kernel.h"
 
@@ -44,20 +44,50 @@ static void weigh(const tree *t, uint32_t node, vec3_f32 at, vec3_f32 n, tree_fa
     for (uint32_t i = 0; row != FATHOM_NONE && i < TREE_WIDE; ++i) weight[i] *= factors[row * TREE_WIDE + i];
 }
 
-double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, uint32_t slot) {
+/* ---- probabilities ---- */
+
+/* The first step of a traversal from the list: the probability of the slot, or -1 if it is not in the list.
+ */
+static double listed_chance(const tree *t, const tree_view *v, vec3_f32 at, vec3_f32 n, uint32_t slot) {
+    const uint32_t near = v->near_count * TREE_WIDE, all = near + v->far_count;
+    uint32_t found = 0;
+    while (found < all && v->slot[found] != slot) ++found;
+    if (found == all) return -1;
+    double sum = tree_view_far(v), own = 0;
+    for (uint32_t k = 0; k < v->near_count; ++k) {
+        float weight[TREE_WIDE], unsure[TREE_WIDE];
+        t->kernels->weigh(&v->near[k], at, n, weight, unsure);
+        if (found / TREE_WIDE == k) own = (double)weight[found % TREE_WIDE];
+        sum += sum_of(weight);
+    }
+    if (found >= near) own = v->far[found - near] - (found > near ? v->far[found - near - 1] : 0);
+    return sum > 0 ? own / sum : 0;
+}
+
+/* The same from a cut. */
+static double cut_chance(const tree_cut *cut, uint32_t slot) {
+    const uint32_t k = find_node(cut, slot / TREE_WIDE);
+    if (k == cut->count) return -1;
+    const double sum = cut_sum(cut);
+    return sum > 0 ? (double)cut->weight[k][slot % TREE_WIDE] / sum : 0;
+}
+
+double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, const tree_view *view, uint32_t slot) {
     const vec3_f32 at = scaled(t, p);
+    const tree_factors factors = view ? view->factors : NULL;
+    const bool listed = view && tree_view_holds(view, p);
     double chance = 1;
     tree_cut cut;
-    t->kernels->cut(t, at, n, factors, &cut);
+    if (!listed) t->kernels->cut(t, at, n, factors, &cut);
     for (;;) {
-        const uint32_t node = slot / TREE_WIDE, k = find_node(&cut, node);
+        const double first = listed ? listed_chance(t, view, at, n, slot) : cut_chance(&cut, slot);
+        if (first >= 0) return chance * first;
         float weight[TREE_WIDE];
-        if (k == cut.count) weigh(t, node, at, n, factors, weight);
-        const float own = k < cut.count ? cut.weight[k][slot % TREE_WIDE] : weight[slot % TREE_WIDE];
-        const double sum = k < cut.count ? cut_sum(&cut) : sum_of(weight);
-        chance *= sum > 0 ? (double)own / sum : 0;
-        if (k < cut.count || !(chance > 0)) return chance;
-        slot = t->parent[node];
+        weigh(t, slot / TREE_WIDE, at, n, factors, weight);
+        const double sum = sum_of(weight);
+        chance *= sum > 0 ? (double)weight[slot % TREE_WIDE] / sum : 0;
+        if (!(chance > 0)) return 0;
+        slot = t->parent[slot / TREE_WIDE];
     }
 }
 

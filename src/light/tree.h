@@ -4,7 +4,8 @@
  * Bounds say little about lights that surround the point, and a traversal from the root would lose half of
  * its probability to far lights at every level. The traversal therefore starts from a cut through the tree:
  * nodes that are bright and large, as seen from the point, are replaced by their children, level by level, up
- * to TREE_NEAR of them (as in Yuksel's stochastic lightcuts, 2019, but chosen for each point). */
+ * to TREE_NEAR of them (as in Yuksel's stochastic lightcuts, 2019, but chosen for each point). Regions of
+ * surfaces may have a list of parts instead, which is made once: tree_view.h. */
 #pragma once
 
 #include "fathom/scene.h"
@@ -75,8 +76,11 @@ static inline uint32_t tree_factor_at(const tree *t, uint32_t slot) {
 /* The block of the light in this slot, as tree_factor_at(). */
 uint32_t tree_block(const tree *t, uint32_t slot);
 
-/* The probability that choose() takes the light in this slot. */
-double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, tree_factors factors, uint32_t slot);
+/* What is known of the lights in a region: tree_view.h. */
+typedef struct tree_view tree_view;
+
+/* The probability that choose() takes the light in this slot. view: NULL: nothing is known. */
+double tree_chance(const tree *t, vec3_f32 p, vec3_f32 n, const tree_view *view, uint32_t slot);
 
 /* A cut: the children of `count` nodes, of which the first is the root. A child that is itself among the
  * nodes has the weight 0. */
@@ -100,9 +104,9 @@ typedef struct tree_kernels {
     unsigned (*meet)(const tree_node *node, vec3_f32 p, vec3_f32 d, float length);
 
     /* The lights that u in [0,1) chooses for points p with unit normals n (0: none), and their probabilities,
-     * for the lanes whose bit is set; probability 0: no light reaches the point. factors: by lane; NULL: of
+     * for the lanes whose bit is set; probability 0: no light reaches the point. views: by lane; NULL: of
      * no lane. Changes u. */
-    void (*choose)(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors, unsigned lanes,
+    void (*choose)(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views, unsigned lanes,
                    double u[LANES], uint32_t light[LANES], double chance[LANES]);
 } tree_kernels;
 

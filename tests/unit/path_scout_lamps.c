@@ -57,7 +57,7 @@ static void add_chances(const emitters *e, random_state *r, double *all, double 
         if (e->slot_of[k] == FATHOM_NONE) continue;
         const emitter_run *run = emitters_run_of(e, k);
         emitters_ball(e, run, k - run->first, 0, &ball);
-        const double chance = tree_chance(&e->lights, p, n, emitters_factors(e, p, n), e->slot_of[k]);
+        const double chance = tree_chance(&e->lights, p, n, emitters_view(e, p, n), e->slot_of[k]);
         *all += chance, *own += ball.center.x < 0 ? chance : 0;
     }
 }
@@ -78,6 +78,16 @@ static void expect_own_lamps(const render_plan *plan, double rows) {
     }
     if (mean < 0.7) fail_msg("%g", mean);
 }
+
+static void expect_lists(const render_plan *plan, double rows) {
+    const emitter_views *views = &plan->emitters->views;
+    size_t lists = 0;
+    (void)rows;
+    for (size_t k = 0; k < views->count; ++k) lists += views->items[k].near_count > 0;
+    assert_true(lists > 0);
+}
+
+UNIT_TEST(regions_list_the_lights_that_matter) { look_at_plan(rooms(MANY, 20, 1e-3f), 0, expect_lists); }
 
 UNIT_TEST(light_samples_stay_in_the_room) {
     look_at_plan(rooms(FEW, 1, 20), 1, expect_own_lamps);

@@ -1,6 +1,6 @@
 /* How much light a node's children may send to a point, and the random choice of one light. */
-#include "light/tree.h"
 #include "base/kernel.h"
+#include "light/tree_view.h"
 #include "math/limit.h"
 
 /* Nodes less unsure than this fraction of the total are not replaced by their children. */
@@ -161,6 +161,24 @@ static int pick(const float weight[TREE_WIDE], double *u, double *chance) {
     return found;
 }
 
+/* The part at u times the sum of parts, of which some are above 0. The parts are ordered: next leads from the
+ * first to the last. *u becomes the position within the part, and *chance is multiplied by its probability.
+ */
+static uint32_t pick_part(const double *part, const uint32_t *next, uint32_t count, double sum, double *u,
+                          double *chance) {
+    double left = *u * sum, own = 0;
+    uint32_t found = 0;
+    for (uint32_t j = 0, k = 0; j < count; ++j, k = next[k]) {
+        if (!(part[k] > 0)) continue;
+        if (own > 0 && left < own) break;
+        if (own > 0) left -= own;
+        found = k, own = part[k];
+    }
+    *u = left < own * (1 - 0x1p-53) ? left / own : 1 - 0x1p-53;
+    *chance *= own / sum;
+    return found;
+}
+
 /* The node of the cut at u times the sum of weights; -1: all weights are 0. */
 static int pick_node(const tree_cut *cut, double *u, double *chance) {
     double part[1 + TREE_NEAR] = {0}, sum = 0;
@@ -168,18 +186,7 @@ static int pick_node(const tree_cut *cut, double *u, double *chance) {
         for (int i = 0; i < TREE_WIDE; ++i) part[k] += (double)cut->weight[k][i];
         sum += part[k];
     }
-    if (!(sum > 0)) return -1;
-    int found = -1;
-    double left = *u * sum;
-    for (int j = 0, k = 0; j < (int)cut->count; ++j, k = (int)cut->next[k]) {
-        if (!(part[k] > 0)) continue;
-        if (found >= 0 && left < part[found]) break;
-        if (found >= 0) left -= part[found];
-        found = k;
-    }
-    *u = left < part[found] * (1 - 0x1p-53) ? left / part[found] : 1 - 0x1p-53;
-    *chance *= part[found] / sum;
-    return found;
+    return sum > 0 ? (int)pick_part(part, cut->next, cut->count, sum, u, chance) : -1;
 }
 
 /* One step of a traversal: chooses a child of a node, whose weights are known. False: the traversal ends. */
@@ -194,14 +201,18 @@ static inline bool walk(const tree_node *node, const float weight[TREE_WIDE], do
     return !(*light & TREE_LEAF);
 }
 
-static query query_of(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors, int i) {
+static tree_factors factors_of(const tree_view **views, int i) {
+    return views && views[i] ? views[i]->factors : NULL;
+}
+
+static query query_of(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views, int i) {
     return (query){.p = {t->scale * p[0][i], t->scale * p[1][i], t->scale * p[2][i]},
                    .n = {n[0][i], n[1][i], n[2][i]},
-                   .factors = factors ? factors[i] : NULL};
+                   .factors = factors_of(views, i)};
 }
 
 /* The first step of each lane's traversal; returns the lanes that continue. */
-static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views,
                            unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     unsigned on = 0;
     while (lanes) {
@@ -211,7 +222,7 @@ static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, const 
         tree_cut cuts[TOGETHER];
         for (; lanes && count < TOGETHER; lanes &= lanes - 1) {
             lane[count] = __builtin_ctz(lanes);
-            queries[count] = query_of(t, p, n, factors, lane[count]), ++count;
+            queries[count] = query_of(t, p, n, views, lane[count]), ++count;
         }
         cut_each(t, queries, count, cuts);
         for (unsigned j = 0; j < count; ++j) {
@@ -223,6 +234,63 @@ static unsigned leave_cuts(const tree *t, const lanes3 p, const lanes3 n, const 
         }
     }
     return on;
+}
+
+/* ---- lists of views ---- */
+
+/* The far part at u times the sum of their weights; *u becomes the position within the part. */
+static uint32_t pick_far(const tree_view *v, double *u, double *own) {
+    const double at = *u * tree_view_far(v);
+    uint32_t low = 0, high = v->far_count - 1;
+    while (low < high) {
+        const uint32_t middle = (low + high) / 2;
+        if (at < v->far[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    const double below = low ? v->far[low - 1] : 0, part = at - below;
+    *own = v->far[low] - below;
+    *u = part < *own * (1 - 0x1p-53) ? part / *own : 1 - 0x1p-53;
+    return v->child[low];
+}
+
+/* The first step of a traversal from a list; the last part of its sum are all far parts. False: the traversal
+ * ends. */
+static bool leave_list(const tree_view *v, const query *q, double *u, uint32_t *light, double *chance) {
+    static const uint32_t next[TREE_LISTED + 1] = {1, 2, 3, 4, 0};
+    float weight[TREE_LISTED][TREE_WIDE], unsure[TREE_WIDE];
+    double part[TREE_LISTED + 1] = {0}, sum, own;
+    const uint32_t near = v->near_count;
+    for (uint32_t k = 0; k < near; ++k) {
+        weigh(&v->near[k], q->p, q->n, weight[k], unsure);
+        for (int i = 0; i < TREE_WIDE; ++i) part[k] += (double)weight[k][i];
+    }
+    sum = part[near] = tree_view_far(v);
+    for (uint32_t k = 0; k < near; ++k) sum += part[k];
+    if (!(sum > 0)) {
+        *chance = 0;
+        return false;
+    }
+    const uint32_t found = pick_part(part, next, near + 1, sum, u, chance);
+    if (found < near) return walk(&v->near[found], weight[found], u, light, chance);
+    *light = pick_far(v, u, &own);
+    *chance *= own / part[near];
+    return !(*light & TREE_LEAF);
+}
+
+/* The first step of each lane's traversal; returns the lanes that continue. */
+static unsigned leave(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views, unsigned lanes,
+                      double u[LANES], uint32_t light[LANES], double chance[LANES]) {
+    unsigned on = 0, listed = 0;
+    for (unsigned left = views ? lanes : 0; left; left &= left - 1) {
+        const int i = __builtin_ctz(left);
+        const query q = query_of(t, p, n, views, i);
+        if (!views[i] || !tree_view_holds(views[i], (vec3_f32){p[0][i], p[1][i], p[2][i]})) continue;
+        listed |= 1u << i;
+        if (leave_list(views[i], &q, &u[i], &light[i], &chance[i])) on |= 1u << i;
+    }
+    return on | leave_cuts(t, p, n, views, lanes & ~listed, u, light, chance);
 }
 
 /* ---- up to eight lights: all lanes at once ---- */
@@ -242,7 +310,7 @@ static inline void weigh_light(const tree *t, int k, const lanes3 p, const lanes
     }
 }
 
-static inline void weigh_lights(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+static inline void weigh_lights(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views,
                                 few_lights *restrict out) {
     for (int i = 0; i < LANES; ++i) out->below[0][i] = 0;
     for (int k = 0; k < TREE_WIDE; ++k) {
@@ -250,8 +318,10 @@ static inline void weigh_lights(const tree *t, const lanes3 p, const lanes3 n, c
             weigh_light(t, k, p, n, out->weight[k]);
         else
             memset(out->weight[k], 0, sizeof out->weight[k]);
-        for (int i = 0; factors && i < LANES; ++i)
-            if (factors[i]) out->weight[k][i] = (double)((float)out->weight[k][i] * factors[i][k]);
+        for (int i = 0; views && i < LANES; ++i) {
+            const tree_factors factors = factors_of(views, i);
+            if (factors) out->weight[k][i] = (double)((float)out->weight[k][i] * factors[k]);
+        }
         for (int i = 0; i < LANES; ++i) out->below[k + 1][i] = out->below[k][i] + out->weight[k][i];
     }
 }
@@ -275,11 +345,11 @@ static inline void pick_each(const few_lights *f, const double u[LANES], double 
     }
 }
 
-static void choose_of_few(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
+static void choose_of_few(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views,
                           unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     few_lights f;
     double part[LANES], share[LANES], found[LANES];
-    weigh_lights(t, p, n, factors, &f);
+    weigh_lights(t, p, n, views, &f);
     pick_each(&f, u, part, share, found);
     for (; lanes; lanes &= lanes - 1) {
         const int i = __builtin_ctz(lanes);
@@ -298,8 +368,8 @@ static inline void adjust(const tree *t, uint32_t node, tree_factors factors, fl
 }
 
 /* Level by level: the processor works on several lanes' nodes at once while they are fetched from memory. */
-static void walk_all(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors,
-                     unsigned lanes, double u[LANES], uint32_t light[LANES], double chance[LANES]) {
+static void walk_all(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views, unsigned lanes,
+                     double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     while (lanes) {
         for (unsigned left = lanes; left; left &= left - 1) {
             const int i = __builtin_ctz(left);
@@ -307,7 +377,8 @@ static void walk_all(const tree *t, const lanes3 p, const lanes3 n, const tree_f
             const tree_node *node = &t->nodes[light[i]];
             float weight[TREE_WIDE], unsure[TREE_WIDE];
             weigh(node, at, (vec3_f32){n[0][i], n[1][i], n[2][i]}, weight, unsure);
-            if (factors && factors[i]) adjust(t, light[i], factors[i], weight);
+            const tree_factors factors = factors_of(views, i);
+            if (factors) adjust(t, light[i], factors, weight);
             if (!walk(node, weight, &u[i], &light[i], &chance[i]))
                 lanes &= ~(1u << i);
             else
@@ -316,13 +387,13 @@ static void walk_all(const tree *t, const lanes3 p, const lanes3 n, const tree_f
     }
 }
 
-static void choose(const tree *t, const lanes3 p, const lanes3 n, const tree_factors *factors, unsigned lanes,
+static void choose(const tree *t, const lanes3 p, const lanes3 n, const tree_view **views, unsigned lanes,
                    double u[LANES], uint32_t light[LANES], double chance[LANES]) {
     for (int i = 0; i < LANES; ++i) light[i] = 0, chance[i] = 1;
     if (t->count == 1)
-        choose_of_few(t, p, n, factors, lanes, u, light, chance);
+        choose_of_few(t, p, n, views, lanes, u, light, chance);
     else
-        walk_all(t, p, n, factors, leave_cuts(t, p, n, factors, lanes, u, light, chance), u, light, chance);
+        walk_all(t, p, n, views, leave(t, p, n, views, lanes, u, light, chance), u, light, chance);
     for (int i = 0; i < LANES; ++i) light[i] &= ~TREE_LEAF;
 }
 
