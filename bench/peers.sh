@@ -1,6 +1,7 @@
 #!/bin/sh
 # Path tracing against Blender's Cycles: the same scenes and depth, no denoiser, no clamp, no adaptive sampling.
-# usage: BUILD=build/release sh bench/peers.sh [ROUNDS]        needs Debian's package blender, and installs it as root
+# usage: BUILD=build/release sh bench/peers.sh [ROUNDS [SCENES]]     (default: 3 "box sky house")
+# Needs Debian's package blender, and installs it as root.
 # The time of a sample is that of the samples by which one render is longer than another, so that reading and building
 # count in neither. The build of 8 M triangles takes Blender some 14 s, and varies by more than 16 samples take: under
 # the sky the longer render has 256 samples more. The noise is that of two seeds: RMS difference / sqrt 2. Equal-error
@@ -8,7 +9,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 program=$(cd "${BUILD:-build/release}" && pwd)/bin/fathom
-rounds=${1:-3}
+rounds=${1:-3} scenes=${2:-box sky house}
 command -v blender >/dev/null || apt-get install -y --no-install-recommends blender
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -29,6 +30,7 @@ cat >"$folder/box.json" <<'JSON'
     { "type": "quad", "center": [2, 0, 0], "u": [0, 0, 2], "v": [0, 2, 0], "material": "green" },
     { "type": "quad", "center": [0, 1.99, 0], "u": [0.6, 0, 0], "v": [0, 0, 0.6], "material": "lamp" } ] }
 JSON
+python3 bench/house.py 3 4 >"$folder/house.json"
 cat >"$folder/sky.json" <<'JSON'
 { "image": { "integrator": "path", "width": 960, "height": 540, "spp": 16, "maxDepth": 6 },
   "camera": { "eye": [0.9, 0.9, 0.5], "target": [0, 0, 0], "up": [0, 0, 1], "fovy": 40 },
@@ -49,8 +51,8 @@ rms() { "$program" compare "$folder/$1.exr" "$folder/$2.exr" | sed -n 's/.*RMSE 
 
 echo "| scene | s a sample, Fathom | Cycles | ratio | noise, Fathom | Cycles | equal-error time, Fathom over Cycles | RMS between both |"
 echo "|---|---|---|---|---|---|---|---|"
-for scene in box sky; do
-    spp=$([ $scene = box ] && echo 64 || echo 16) more=$([ $scene = box ] && echo 64 || echo 256)
+for scene in $scenes; do
+    spp=$([ $scene = sky ] && echo 16 || echo 64) more=$([ $scene = sky ] && echo 256 || echo 64)
     : >"$folder/times"
     for round in $(seq "$rounds"); do
         printf '%s %s %s %s\n' "$(ours $scene $spp "$round" "a$round")" "$(ours $scene $((spp + more)) "$round" long)" \
