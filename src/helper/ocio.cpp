@@ -1,11 +1,16 @@
 /* Displays and views of OpenColorIO. */
 #include "helper/guard.h"
 
+extern "C" {
+#include "base/hash.h"
+}
+
 #include <OpenColorIO/OpenColorIO.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <future>
 #include <sstream>
 #include <strings.h>
@@ -200,15 +205,18 @@ static bool is_srgb(const OCIO::ConstConfigRcPtr &config, const std::string &dis
     return !data && (strcasestr(space.c_str(), "srgb") || strcasestr(display.c_str(), "srgb"));
 }
 
+static OCIO::ConstProcessorRcPtr view_processor(const OCIO::ConstConfigRcPtr &config,
+                                                const std::string &display, const std::string &view) {
+    return config->getProcessor(whole_way(config, display, view), OCIO::TRANSFORM_DIR_FORWARD);
+}
+
 fathom_status image_view_open(const image_view_request *request, image_view **out, bool *srgb,
                               image_message *message) noexcept {
     return guarded(message, FATHOM_BAD_INPUT, [&] {
         OCIO::ConstConfigRcPtr config = load_config(request->config);
         std::string display = choose_display(config, request->display);
         std::string view = choose_view(config, display, request->view);
-        OCIO::ConstProcessorRcPtr processor =
-            config->getProcessor(whole_way(config, display, view), OCIO::TRANSFORM_DIR_FORWARD);
-        OCIO::ConstCPUProcessorRcPtr cpu = processor->getDefaultCPUProcessor();
+        OCIO::ConstCPUProcessorRcPtr cpu = view_processor(config, display, view)->getDefaultCPUProcessor();
         *srgb = is_srgb(config, display, view);
         *out = new image_view{cpu};
     });
@@ -266,27 +274,57 @@ static OCIO::ConstTransformRcPtr way_from(const OCIO::ConstConfigRcPtr &config, 
     return first;
 }
 
-static std::unique_ptr<image_space> open_space(const char *config_path, const char *name) {
-    OCIO::ConstConfigRcPtr config = load_config(config_path);
+static OCIO::ConstProcessorRcPtr space_processor(const OCIO::ConstConfigRcPtr &config, const char *name) {
     std::string space = config->getColorSpace(name) ? name : "";
     if (space.empty()) {
         space = choose(
             name, "color space", config->getNumColorSpaces(),
             [&](int i) { return config->getColorSpaceNameByIndex(i); }, "srgb, linear or ");
     }
-    auto out = std::make_unique<ocio_space>();
-    out->processor = config->getProcessor(way_from(config, space.c_str()), OCIO::TRANSFORM_DIR_FORWARD)
-                         ->getDefaultCPUProcessor();
-    return out;
+    return config->getProcessor(way_from(config, space.c_str()), OCIO::TRANSFORM_DIR_FORWARD);
 }
 
 std::unique_ptr<image_space> space_open(const char *config, const char *name) {
     const std::string at = config ? std::string("OpenColorIO config ") + config + ": " : "";
     try {
-        return open_space(config, name);
+        auto out = std::make_unique<ocio_space>();
+        out->processor = space_processor(load_config(config), name)->getDefaultCPUProcessor();
+        return out;
     } catch (const failure &e) {
         throw failure(e.status, at + e.what());
     } catch (const OCIO::Exception &e) {
         throw failure(FATHOM_BAD_INPUT, at + e.what());
     }
+}
+
+/* ---- files of configs ---- */
+
+/* A file inside an archive cannot be opened here; the archive is the config itself. */
+static void put_file(hash *h, const char *path) {
+    std::ifstream file(path, std::ios::binary);
+    char bytes[1 << 14];
+    while (file.read(bytes, sizeof bytes), file.gcount() > 0)
+        hash_put(h, bytes, static_cast<std::size_t>(file.gcount()));
+}
+
+static std::uint64_t hash_files(const OCIO::ConstProcessorRcPtr &processor) {
+    OCIO::ConstProcessorMetadataRcPtr names = processor->getProcessorMetadata();
+    const int count = names->getNumFiles();
+    hash h;
+    hash_begin(&h);
+    for (int i = 0; i < count; ++i) put_file(&h, names->getFile(i));
+    return count ? hash_end(&h) : 0;
+}
+
+fathom_status image_view_files(const image_view_request *request, const char *space, uint64_t *out,
+                               image_message *message) noexcept {
+    return guarded(message, FATHOM_BAD_INPUT, [&] {
+        OCIO::ConstConfigRcPtr config = load_config(request->config);
+        if (space) {
+            *out = hash_files(space_processor(config, space));
+        } else {
+            const std::string display = choose_display(config, request->display);
+            *out = hash_files(view_processor(config, display, choose_view(config, display, request->view)));
+        }
+    });
 }

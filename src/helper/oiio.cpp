@@ -295,8 +295,14 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
 static void image_file_release(const image *img) noexcept { delete static_cast<const file_image *>(img); }
 
 extern "C" __attribute__((visibility("default"))) const image_module fathom_image_module = {
-    IMAGE_MODULE_VERSION, {writer_open, writer_rows, writer_close},
-    image_file_read,      image_file_release,
-    image_view_open,      image_view_apply,
-    image_view_close,     image_texture_table,
-    writer_level,         "OpenImageIO " OIIO_VERSION_STRING ", OpenColorIO " OCIO_VERSION_FULL_STR};
+    IMAGE_MODULE_VERSION,
+    {writer_open, writer_rows, writer_close},
+    image_file_read,
+    image_file_release,
+    image_view_open,
+    image_view_apply,
+    image_view_close,
+    image_view_files,
+    image_texture_table,
+    writer_level,
+    "OpenImageIO " OIIO_VERSION_STRING ", OpenColorIO " OCIO_VERSION_FULL_STR};

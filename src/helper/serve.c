@@ -139,15 +139,27 @@ static void read_file(const wire_request *request, wire_reply *reply, image_mess
     module->release(img);
 }
 
+static image_view_request take_view(wire_cursor *c) {
+    image_view_request wanted;
+    wanted.config = wire_take_text(c), wanted.display = wire_take_text(c), wanted.view = wire_take_text(c);
+    return wanted;
+}
+
 static void open_view(const wire_request *request, wire_reply *reply, image_message *message) {
     wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
-    image_view_request wanted;
-    wanted.config = wire_take_text(&c), wanted.display = wire_take_text(&c), wanted.view = wire_take_text(&c);
+    const image_view_request wanted = take_view(&c);
     image_view *view = NULL;
     bool srgb = false;
     reply->status = c.bad ? FATHOM_INTERNAL : module->view_open(&wanted, &view, &srgb, message);
     reply->object = number_of(view);
     reply->flag = srgb;
+}
+
+static void hash_files(const wire_request *request, wire_reply *reply, image_message *message) {
+    wire_cursor c = {memory.bytes, memory.bytes + request->size, false};
+    const image_view_request wanted = take_view(&c);
+    const char *space = wire_take_text(&c);
+    reply->status = c.bad ? FATHOM_INTERNAL : module->view_files(&wanted, space, &reply->object, message);
 }
 
 static void open_texture(const wire_request *request, int descriptor, wire_reply *reply,
@@ -215,6 +227,7 @@ static void serve(const wire_request *request, int descriptor, wire_reply *reply
     case WIRE_TEXTURE: open_texture(request, descriptor, reply, &message); break;
     case WIRE_REGION: read_region(request, reply, &message); break;
     case WIRE_END_TEXTURE: module->texture.close(object_of(request)); break;
+    case WIRE_FILES: hash_files(request, reply, &message); break;
     }
     if (message.text[0]) snprintf(reply->text, sizeof reply->text, "%s", message.text);
 }

@@ -86,6 +86,10 @@ fathom_status image_check_size(fathom_context *context, const char *path, uint32
  * set. */
 bool image_view_is_srgb(const fathom_write_options *options);
 
+/* A hash of the files, such as LUTs, that the config names for the view; 0 if it names none, or cannot be
+ * opened, which writing reports. */
+uint64_t image_config_files(const fathom_write_options *options);
+
 /* True when $SOURCE_DATE_EPOCH is set: equal renders then give equal files, so files must not contain the
  * time or speed of the render (reproducible-builds.org/specs/source-date-epoch). */
 bool image_date_is_given(void);

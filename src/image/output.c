@@ -118,6 +118,14 @@ fathom_status output_open_view(fathom_context *context, const fathom_write_optio
                 request.config, message.text);
 }
 
+uint64_t image_config_files(const fathom_write_options *options) {
+    image_message why = {""};
+    image_view_request request = {config_of(options), options->display, options->view};
+    uint64_t files = 0;
+    if (request.config) image_calls.view_files(&request, NULL, &files, &why);
+    return files;
+}
+
 static fathom_status check_view(fathom_context *context, const fathom_write_options *options) {
     image_view *view;
     bool srgb;

@@ -1,6 +1,7 @@
 #include "job/render.h"
 
 #include "base/clock.h"
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/opened.h"
 #include "integrate/reference/reference.h"
@@ -274,6 +275,13 @@ static fathom_status check(fathom_context *context, const fathom_scene *scene,
     return status == FATHOM_OK ? fathom_scene_check(scene) : status;
 }
 
+fathom_status render_fingerprint(const fathom_scene *scene, uint64_t *out) {
+    const fathom_status status = scene_fingerprint(scene, out);
+    const uint64_t files = status == FATHOM_OK ? texture_color_files(scene) : 0;
+    if (files) *out = hash_of((uint64_t[]){*out, files}, 2 * sizeof files);
+    return status;
+}
+
 /* Renders into an existing film. */
 static fathom_status fill(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const render_request *request, fathom_film *film) {
@@ -282,7 +290,7 @@ static fathom_status fill(fathom_context *context, const fathom_scene *scene, co
                            .progress = request->progress,
                            .user = request->user};
     keeping keep = {.saving = NULL};
-    fathom_status status = scene_fingerprint(scene, &film->stats.scene_fingerprint);
+    fathom_status status = render_fingerprint(scene, &film->stats.scene_fingerprint);
     context_note_opened(context, false);
     if (status == FATHOM_OK && request->saving)
         status = checkpoint_open(context, request->saving, scene, settings, film, &keep.saving);

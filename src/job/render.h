@@ -23,3 +23,6 @@ typedef struct render_request {
 /* Implements fathom_session_run(), with complete settings. stats may be NULL. */
 fathom_status render_film(fathom_context *context, const fathom_scene *scene, const fathom_settings *settings,
                           const render_request *request, fathom_stats *stats, fathom_film **out);
+
+/* scene_fingerprint(), and the files that OpenColorIO reads for the scene's textures. */
+fathom_status render_fingerprint(const fathom_scene *scene, uint64_t *out);

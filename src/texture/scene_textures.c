@@ -1,8 +1,11 @@
 /* The textures of a scene. */
+#include "base/hash.h"
 #include "base/sized.h"
+#include "image/helper/helper.h"
 #include "scene/scene.h"
+#include "texture/texture.h"
 
-#include <fathom/texture.h>
+#include <stdlib.h>
 #include <string.h>
 
 SIZED_DEFAULT_OWN(fathom_texture, {.filter = FATHOM_TEXTURE_TRILINEAR})
@@ -78,4 +81,28 @@ fathom_status fathom_scene_add_texture(fathom_scene *scene, const fathom_texture
     if (!array_push(&scene->textures, t)) return fail_memory(scene->context, sizeof t);
     if (out) *out = (fathom_id)(scene->textures.count - 1);
     return FATHOM_OK;
+}
+
+/* The color space of texture i if no earlier texture has it; otherwise NULL. */
+static const char *new_space(const fathom_scene *scene, size_t i) {
+    const fathom_texture *all = scene->textures.items;
+    if (all[i].color_space != FATHOM_COLOR_NAMED) return NULL;
+    for (size_t k = 0; k < i; ++k) {
+        if (same_text(all[k].color_space_name, all[i].color_space_name)) return NULL;
+    }
+    return all[i].color_space_name;
+}
+
+uint64_t texture_color_files(const fathom_scene *scene) {
+    const image_view_request request = {.config = getenv("OCIO")};
+    uint64_t all = 0;
+    if (!request.config || !*request.config) return 0;
+    for (size_t i = 0; i < scene->textures.count; ++i) {
+        image_message why = {""};
+        const char *space = new_space(scene, i);
+        uint64_t files = 0;
+        if (space) image_calls.view_files(&request, space, &files, &why);
+        if (files) all = hash_of((uint64_t[]){all, files}, 2 * sizeof files);
+    }
+    return all;
 }

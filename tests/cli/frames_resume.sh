@@ -95,6 +95,19 @@ view 2
 resume 0 --ocio view.ocio
 not_kept f0 && not_kept f1
 
+# And with other contents of a file that the config names.
+sed 's/!<MatrixTransform> .*/!<FileTransform> {src: view.spi1d, interpolation: linear}/' view.ocio >lut.ocio
+lut() { printf 'Version 1\nFrom 0.0 1.0\nLength 2\nComponents 1\n{\n 0.0\n %s\n}\n' "$1" >view.spi1d; }
+lut 0.5
+stop_early --ocio lut.ocio
+resume 0 --ocio lut.ocio
+kept f0 && kept f1
+lut 0.25
+stop_early --ocio lut.ocio
+lut 0.5
+resume 0 --ocio lut.ocio
+not_kept f0 && not_kept f1
+
 # What renders other pixels is refused, as with checkpoints, and nothing is lost.
 stop_early
 refused 3 'c0: the checkpoint was saved with --spp 4, and this render has 9' \

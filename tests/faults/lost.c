@@ -85,6 +85,13 @@ static fathom_status fail_view(const image_view *view, unsigned threads, float *
 
 static void close_view(image_view *view) { (void)view; }
 
+static fathom_status hash_nothing(const image_view_request *request, const char *space, uint64_t *out,
+                                  image_message *message) {
+    (void)request, (void)space, (void)message;
+    *out = 0;
+    return FATHOM_OK;
+}
+
 static fathom_status open_texture(const image_texture_request *request, image_texture **out,
                                   image_texture_info *info, image_message *message) {
     (void)request, (void)message;
@@ -110,5 +117,6 @@ const image_module fathom_image_module = {.version = IMAGE_MODULE_VERSION,
                                           .view_open = open_view,
                                           .view_apply = fail_view,
                                           .view_close = close_view,
+                                          .view_files = hash_nothing,
                                           .texture = {open_texture, lose_texels, close_texture},
                                           .libraries = "none"};

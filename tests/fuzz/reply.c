@@ -73,6 +73,8 @@ static void show_pixels(void) {
     float rgba[8] = {0};
     if (image_calls.view_open(&request, &view, &srgb, &message) != FATHOM_OK) return;
     image_calls.view_apply(view, 1, rgba, 2, &message);
+    uint64_t files;
+    image_calls.view_files(&request, "Film", &files, &message);
     image_calls.view_close(view);
 }
 

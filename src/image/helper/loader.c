@@ -210,6 +210,20 @@ static void close_view(image_view *view) {
     free(view);
 }
 
+static fathom_status hash_files(const image_view_request *request, const char *space, uint64_t *out,
+                                image_message *message) {
+    char whole[PATH_MAX];
+    wire_buffer b = {NULL, 0, 0, false};
+    helper_exchange e = {.request = {.op = WIRE_FILES, .threads = 1}, .descriptor = -1};
+    wire_put_text(&b, whole_path(request->config, whole));
+    wire_put_text(&b, request->display);
+    wire_put_text(&b, request->view);
+    wire_put_text(&b, space);
+    const fathom_status status = ask_with(&e, &b, message);
+    *out = status == FATHOM_OK ? e.reply.object : 0;
+    return status;
+}
+
 /* ---- textures ---- */
 
 static fathom_status take_info(void *user, const unsigned char *bytes, const wire_reply *reply) {
@@ -261,6 +275,7 @@ const image_module image_calls = {IMAGE_MODULE_VERSION,
                                   open_view,
                                   apply_view,
                                   close_view,
+                                  hash_files,
                                   {open_texture, read_region, close_texture},
                                   next_level,
                                   NULL};

@@ -6,7 +6,7 @@
 #include "image/image.h"
 
 /* Increases with every change of this file: a module of another build is refused before any call. */
-#define IMAGE_MODULE_VERSION 13
+#define IMAGE_MODULE_VERSION 14
 #define IMAGE_MODULE_SYMBOL "fathom_image_module"
 
 typedef struct image_message {
@@ -130,6 +130,10 @@ typedef struct image_module {
     fathom_status (*view_apply)(const image_view *view, unsigned threads, float *rgba, size_t count,
                                 image_message *message);
     void (*view_close)(image_view *view);
+    /* *out: a hash of the files, such as LUTs, that the config names for a view. If space is not NULL, for
+     * textures of this color space instead. 0: the config names none. */
+    fathom_status (*view_files)(const image_view_request *request, const char *space, uint64_t *out,
+                                image_message *message);
 
     image_texture_calls texture;
     /* Begins the next level of a mip-mapped file, after all rows of the previous one. Each rows() call for it
@@ -146,5 +150,7 @@ fathom_status image_view_open(const image_view_request *request, image_view **ou
 fathom_status image_view_apply(const image_view *view, unsigned threads, float *rgba, size_t count,
                                image_message *message) noexcept;
 void image_view_close(image_view *view) noexcept;
+fathom_status image_view_files(const image_view_request *request, const char *space, uint64_t *out,
+                               image_message *message) noexcept;
 extern const image_texture_calls image_texture_table;
 #endif

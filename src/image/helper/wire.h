@@ -12,7 +12,7 @@
 #define WIRE_MEMORY 4
 
 /* Increases with every change of the protocol. */
-#define WIRE_VERSION 8u
+#define WIRE_VERSION 9u
 
 typedef enum wire_op {
     WIRE_OPEN,  /* opens a file; its descriptor comes with the request; the memory holds a wire image */
@@ -25,7 +25,8 @@ typedef enum wire_op {
     WIRE_END_VIEW,
     WIRE_TEXTURE, /* opens a texture; the memory holds the request, and afterwards its info */
     WIRE_REGION,  /* the memory holds a region of `object`, and afterwards its `count` bytes of texels */
-    WIRE_END_TEXTURE
+    WIRE_END_TEXTURE,
+    WIRE_FILES /* the memory holds config, display, view and color space; the reply's `object` is the hash */
 } wire_op;
 
 typedef struct wire_request {

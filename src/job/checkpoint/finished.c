@@ -2,7 +2,9 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/sized.h"
+#include "image/image.h"
 #include "job/checkpoint/checkpoint_state.h"
+#include "job/render.h"
 #include "scene/scene.h"
 
 #include <fathom/session.h>
@@ -53,7 +55,12 @@ static fathom_status hash_images(fathom_context *context, const fathom_write_opt
     put_text(&h, write->display);
     put_text(&h, write->view);
     hash_put(&h, &write->float_color, sizeof write->float_color);
-    for (size_t i = 0; i < count; ++i) put_file(&h, own, files[i]);
+    uint64_t luts = 0;
+    for (size_t i = 0; i < count; ++i) {
+        put_file(&h, own, files[i]);
+        if (!luts && image_needs_module(files[i], write)) luts = image_config_files(write);
+    }
+    if (luts) hash_put(&h, &luts, sizeof luts);
     fathom_context_destroy(own);
     *out = hash_end(&h);
     return FATHOM_OK;
@@ -103,7 +110,7 @@ static fathom_status compare(fathom_context *context, const fathom_scene *scene,
     uint64_t fingerprint;
     checkpoint_key now;
     const fathom_scene view = scene_through(scene, context);
-    fathom_status status = scene_fingerprint(&view, &fingerprint);
+    fathom_status status = render_fingerprint(&view, &fingerprint);
     if (status != FATHOM_OK) return status;
     checkpoint_key_of(settings, fingerprint, &now);
     return checkpoint_key_compare(context, path, &record->key, &now);
