@@ -211,7 +211,7 @@ typedef struct fathom_stats {
     uint64_t scene_fingerprint; /* differs between scenes that may render differently; ignores file names */
     unsigned threads;
     char tracer[64];      /* "Embree 3.13.5, AVX-512" */
-    uint64_t image_bytes; /* of environments, and of textures if all are looked up */
+    uint64_t image_bytes; /* of environments, and the most that texels of textures took */
 } fathom_stats;
 
 typedef struct fathom_film fathom_film;

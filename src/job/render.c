@@ -21,6 +21,7 @@ typedef struct build {
     trace_options options;
     trace_tracer *tracer;
     texture_cache *textures; /* NULL: no material has any, or the plan owns them */
+    uint64_t sky_bytes;
     fathom_status status;
     const fathom_settings *settings;
     fathom_film *film;
@@ -63,18 +64,18 @@ static uint64_t program_bytes(const fathom_context *context) {
 
 /* The memory that the process will use in addition to the tracer's structures. A large film takes no memory
  * yet, unless a checkpoint has filled it. A mapped mesh takes the memory of the parts that were read. */
-static fathom_status memory_besides(const build *b, uint64_t *out) {
+static fathom_status memory_besides(build *b, uint64_t *out) {
     const world *w = b->world;
-    uint64_t meshes, skies = 0;
+    uint64_t meshes;
     fathom_status status = scene_buffer_bytes(w->scene, SCENE_TRACED | SCENE_SHADED, &meshes);
     if (status == FATHOM_OK && b->settings->integrator != FATHOM_INTEGRATOR_CLASSIC)
-        status = environment_measure(b->context, w->scene, &skies);
+        status = environment_measure(b->context, w->scene, &b->sky_bytes);
     if (status != FATHOM_OK) return status;
     uint64_t bytes = b->film->bytes, expected = program_bytes(b->context) + meshes + w->carried_bytes,
              film_now = b->film->stats.resumed_samples ? bytes : memory_taken(bytes);
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
-    b->film->stats.image_bytes = skies + texture_cache_bytes(b->textures);
+    b->film->stats.image_bytes = b->sky_bytes + texture_cache_bytes(b->textures);
     *out = (resident > expected ? resident : expected) + bytes + b->film->stats.image_bytes;
     return FATHOM_OK;
 }
@@ -228,6 +229,7 @@ static fathom_status render_traced(build *b, keeping *keep, job_options *options
     fathom_status status = make_plan(b);
     if (status == FATHOM_OK) status = begin_keeping(b->tracer, keep, options);
     if (status == FATHOM_OK) status = run_plan(b->context, b->plan, options, b->film);
+    if (b->plan) b->film->stats.image_bytes = b->sky_bytes + texturing_peak(b->plan->texturing);
     plan_destroy(b->plan);
     return status;
 }

@@ -95,6 +95,9 @@ void texturing_destroy(texturing *t) {
 fathom_status texturing_check(const texturing *t, fathom_context *context) {
     return t ? texture_cache_check(t->cache, context) : FATHOM_OK;
 }
+
+uint64_t texturing_peak(const texturing *t) { return t ? texture_cache_peak(t->cache) : 0; }
+
 /* ---- lookups ---- */
 /* Its square is a fourth power of lengths, which float holds only from 2^-31 to 2^31. */
 static double area_of(const surface_uv *at) { return length_f64(cross_f64(widen(at->du), widen(at->dv))); }

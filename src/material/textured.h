@@ -28,6 +28,8 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
 void texturing_destroy(texturing *t);
 /* FATHOM_OK, or the reason why an image lookup failed. */
 fathom_status texturing_check(const texturing *t, fathom_context *context);
+/* The most memory that texels have taken so far. t may be NULL. */
+uint64_t texturing_peak(const texturing *t);
 
 /* For a block of points whose hits are in g: rotates s->ns, and replaces at[i] by &made[i] in lanes whose
  * materials vary. width: of the rays' cones at the points. seen: bits of the lanes

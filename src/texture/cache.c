@@ -292,6 +292,8 @@ uint64_t texture_cache_bytes(const texture_cache *cache) {
     return !cache ? 0 : cache->bytes < cache->limit ? cache->bytes : cache->limit;
 }
 
+uint64_t texture_cache_peak(const texture_cache *cache) { return store_peak(&cache->store); }
+
 void texture_cache_close(texture_cache *cache) {
     if (!cache) return;
     for (size_t i = 0; i < cache->image_count; ++i) {

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* $TMPDIR; else /var/tmp if it is writable, because /tmp is often not on a disk; else /tmp. */
@@ -72,6 +73,12 @@ void store_close(store *s) {
     *s = (store){.memory = -1, .disk = -1};
 }
 
+uint64_t store_peak(const store *s) {
+    struct stat info;
+    const bool known = s->memory >= 0 && fstat(s->memory, &info) == 0;
+    return s->most + (known ? (uint64_t)info.st_blocks * 512 : 0);
+}
+
 bool store_write(store *s, uint64_t offset, const void *bytes, size_t size) {
     const bool kept = offset < s->kept;
     return file_write_at(kept ? s->memory : s->disk, kept ? offset : offset - s->kept, bytes, size);
@@ -98,6 +105,7 @@ static bool exchange(store *s, uint64_t chunk, unsigned char from, unsigned char
 
 static void count_resident(store *s, uint64_t resident) {
     __atomic_store_n(&s->resident, resident, __ATOMIC_RELAXED);
+    if (resident > s->most) s->most = resident;
 }
 
 static uint64_t chunk_count(const store *s) { return s->size >> PYRAMID_CHUNK_SHIFT; }

@@ -30,6 +30,7 @@ typedef struct store {
     unsigned char *filled;    /* whether the file has the chunk's data; atomic */
     pthread_mutex_t lock;     /* guards the members below */
     uint64_t limit, resident; /* bytes of the disk file in memory; `resident` is atomic */
+    uint64_t most;            /* maximum of `resident` */
     uint64_t hand, dropped;   /* the next chunk to examine; number of evicted chunks */
 } store;
 
@@ -37,6 +38,8 @@ typedef struct store {
  * chunks. */
 fathom_status store_open(fathom_context *context, uint64_t kept, uint64_t disk, uint64_t limit, store *out);
 void store_close(store *s);
+/* The most bytes that tiles have taken in memory. */
+uint64_t store_peak(const store *s);
 
 /* The bytes must lie all in the memory file, or all in the disk file. False, with errno, when the disk or
  * memory is full. */

@@ -21,6 +21,8 @@ fathom_status texture_cache_measure(fathom_context *context, const fathom_scene 
                                     uint64_t *bytes);
 /* The same of an open cache; NULL: 0. */
 uint64_t texture_cache_bytes(const texture_cache *cache);
+/* The most memory that tiles have taken so far. No lookup may run at the same time. */
+uint64_t texture_cache_peak(const texture_cache *cache);
 /* A hash of the files, such as LUTs, that the config in $OCIO names for the color spaces of the scene's
  * textures; 0 if it names none. If the config cannot be read, texture_cache_open() reports it. */
 uint64_t texture_color_files(const fathom_scene *scene);

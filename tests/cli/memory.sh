@@ -49,9 +49,14 @@ not_said err.txt warning
 printf '{"materials": {"m": {"kdTexture": {"file": "image.ppm"}}}, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}]}' >textured.json
 refused 4 'building takes about 0.0 MB, and 0.0 MB are left after program, meshes and images, which take 50.0 MB; raise the limit, lower --texture-memory, render on' \
     render textured.json -o none.exr --size 64x48 --threads 2 --memory-limit 45M --quiet
-run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 45M --texture-memory 1M
+run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 45M --texture-memory 1M --stats s.json
+[ "$(number s.json imageBytes)" -le 1000000 ] || die 'imageBytes beyond the limit'
 run 0 render textured.json -o seen.exr --size 64x48 --threads 2 --memory-limit 80M --stats s.json
 [ "$(number s.json imageBytes)" -ge $((2048 * 2048 * (4 + 2))) ] || die 'imageBytes'
+# No ray meets the sphere, so no texel takes memory.
+sed 's/^{/{"camera": {"eye": [0, 0, 5], "target": [0, 0, 9]}, "background": [1, 1, 1], /' textured.json >unseen.json
+run 0 render unseen.json -o seen.exr --size 64x48 --stats s.json
+[ "$(number s.json imageBytes)" -eq 0 ] || die 'imageBytes of an image that is not looked up'
 rm seen.exr
 
 run 0 render textured.json -o seen.exr --size 8x8 --spp 1 --tracer bvh --memory-limit 45M
