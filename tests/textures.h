@@ -107,3 +107,24 @@ static inline void write_texture(const char *from, fathom_color_space space, con
     const fathom_texture t = texture_of(from, space);
     assert_ok(context, fathom_texture_write(context, &t, in_folder(to)));
 }
+
+static inline double srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
+
+/* Texels of a file of integers, and of the mip-mapped file that is made of it: code / most is decoded as sRGB
+ * unless the texture is linear, and alpha never. */
+static inline void check_codes(const char *name, const unsigned (*codes)[4], unsigned texels, unsigned most) {
+    write_texture(name, FATHOM_COLOR_AUTO, "written.tx");
+    const fathom_texture t[3] = {texture_of(name, FATHOM_COLOR_AUTO), texture_of(name, FATHOM_COLOR_LINEAR),
+                                 texture_of("written.tx", FATHOM_COLOR_AUTO)};
+    opened o = open_textures(t, 3, ALL);
+    for (fathom_id id = 0; id < 3; ++id) {
+        for (unsigned i = 0; i < texels; ++i) {
+            float rgba[4];
+            texel(o.cache, id, 0, i, 0, rgba);
+            for (int c = 0; c < 4; ++c) {
+                const double at = codes[i][c] / (double)most;
+                assert_true(rgba[c] == (float)(c < 3 && id != 1 ? srgb(at) : at));
+            }
+        }
+    }
+}

@@ -151,7 +151,22 @@ static bool is_upwards(const OIIO::ImageInput &file) {
     return std::strcmp(file.format_name(), "hdr") == 0 && file.spec().get_int_attribute("Orientation") == 4;
 }
 
-std::unique_ptr<OIIO::ImageInput> image_input_open(const std::string &name, const OIIO::ImageSpec &config) {
+/* With a config, OpenImageIO asks each reader whether the file is valid, and the reader of SGI files denies
+ * its own. Without one, it opens the file by each reader. */
+static std::unique_ptr<OIIO::ImageInput> open_any(const std::string &name, const OIIO::ImageSpec &config,
+                                                  std::string *why) {
+    OIIO::ImageSpec spec;
+    auto file = OIIO::ImageInput::open(name, &config);
+    if (file) return file;
+    *why = OIIO::geterror();
+    file = OIIO::ImageInput::open(name);
+    if (file && file->close() && file->open(name, spec, config)) return file;
+    OIIO::geterror(); /* clears it */
+    return nullptr;
+}
+
+std::unique_ptr<OIIO::ImageInput> image_input_open(const std::string &name, const OIIO::ImageSpec &config,
+                                                   std::string *why) {
     auto ktx2 = std::make_unique<ktx2_input>();
     OIIO::ImageSpec spec;
     std::unique_ptr<OIIO::ImageInput> file;
@@ -160,7 +175,7 @@ std::unique_ptr<OIIO::ImageInput> image_input_open(const std::string &name, cons
         upwards = ktx2->upwards();
         file = std::move(ktx2);
     } else {
-        file = OIIO::ImageInput::open(name, &config);
+        file = open_any(name, config, why);
         upwards = file && is_upwards(*file);
     }
     return upwards ? std::make_unique<upwards_input>(std::move(file)) : std::move(file);

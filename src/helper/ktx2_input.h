@@ -8,9 +8,10 @@
 #include <memory>
 #include <string>
 
-/* NULL if OpenImageIO cannot read the file: the reason is OIIO::geterror()'s. Throws `failure` for a KTX 2.0
- * file that cannot be read. */
-std::unique_ptr<OIIO::ImageInput> image_input_open(const std::string &name, const OIIO::ImageSpec &config);
+/* NULL, with the reason, if OpenImageIO cannot read the file. Throws `failure` for a KTX 2.0 file that cannot
+ * be read. */
+std::unique_ptr<OIIO::ImageInput> image_input_open(const std::string &name, const OIIO::ImageSpec &config,
+                                                   std::string *why);
 
 inline OIIO::TypeDesc image_type_of(image_texel texel) {
     switch (texel) {

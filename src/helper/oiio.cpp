@@ -279,8 +279,9 @@ static fathom_status image_file_read(const char *path, unsigned threads, const i
         OIIO::attribute("exr_threads", static_cast<int>(threads));
         OIIO::ImageSpec config;
         config.attribute("oiio:UnassociatedAlpha", 1);
-        auto input = image_input_open(path, config);
-        if (!input) throw unreadable(OIIO::geterror());
+        std::string why;
+        auto input = image_input_open(path, config, &why);
+        if (!input) throw unreadable(why);
         input->threads(static_cast<int>(threads));
         auto file = std::make_unique<file_image>();
         file->spec = input->spec();

@@ -40,6 +40,7 @@ static std::string names_of(const OIIO::ImageSpec &spec) {
  * are at most four. */
 static void choose_channels(image_texture &t, const OIIO::ImageSpec &spec) {
     const std::vector<std::string> &names = spec.channelnames;
+    const auto count = static_cast<uint32_t>(spec.nchannels); /* of FITS files, only one has a name */
     auto is = [&](size_t i, const char *name) { return i < names.size() && names[i] == name; };
     for (size_t i = 0; i < names.size(); ++i) {
         if (!is(i, "R") || !is(i + 1, "G") || !is(i + 2, "B")) continue;
@@ -48,14 +49,14 @@ static void choose_channels(image_texture &t, const OIIO::ImageSpec &spec) {
         return;
     }
     /* OpenImageIO calls grey and alpha of a TGA file R and G. */
-    const bool alpha = names.size() == 2 && (is(1, "A") || spec.alpha_channel == 1 ||
-                                             std::strcmp(t.input->format_name(), "targa") == 0);
-    if (names.size() > 4 || (names.size() == 2 && !alpha)) {
+    const bool alpha = count == 2 && (is(1, "A") || spec.alpha_channel == 1 ||
+                                      std::strcmp(t.input->format_name(), "targa") == 0);
+    if (count > 4 || (count == 2 && !alpha)) {
         throw failure(FATHOM_BAD_INPUT,
                       "expected the channels R, G and B, or one, three or four, or grey and A; found " +
                           names_of(spec));
     }
-    t.info.channels = static_cast<uint32_t>(names.size());
+    t.info.channels = count;
 }
 
 static TypeDesc widest(const OIIO::ImageSpec &spec, int first, int end) {
@@ -187,8 +188,9 @@ static fathom_status texture_open(const image_texture_request *request, image_te
         /* A name without an extension: OpenImageIO tries all formats. */
         const std::string name =
             request->path ? request->path : "/proc/self/fd/" + std::to_string(request->descriptor);
-        t->input = image_input_open(name, config);
-        if (!t->input) throw unreadable(request->path ? OIIO::geterror() : without(OIIO::geterror(), name));
+        std::string why;
+        t->input = image_input_open(name, config, &why);
+        if (!t->input) throw unreadable(request->path ? why : without(why, name));
         /* OpenImageIO opens a truncated progressive JPEG file, of which it decodes every scan, and stores the
          * error. */
         if (t->input->has_error()) throw unreadable(t->input->geterror());

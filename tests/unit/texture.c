@@ -9,8 +9,6 @@ VARIANTS(texture_kernels)
 
 /* ---- files that a test writes itself ---- */
 
-static double srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
-
 /* ---- formats ---- */
 
 /* 4 × 2 texels of these bytes in every format. */

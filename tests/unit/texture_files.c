@@ -197,8 +197,6 @@ UNIT_TEST(written_textures_keep_every_bit_of_floats) {
 
 /* ---- alpha ---- */
 
-static double srgb(double x) { return x <= 0.04045 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4); }
-
 /* OpenEXR's colours are multiplied by alpha. */
 UNIT_TEST(premultiplied_colors_are_divided_by_alpha) {
     const float planes[4][2] = {{0.25f, 0}, {0.125f, 0}, {0, 0}, {0.5f, 0}};
@@ -243,25 +241,6 @@ UNIT_TEST(a_texture_is_the_display_window_of_an_exr_file) {
     }
 }
 
-/* Texels of a file of integers, and of the mip-mapped file that is made of it: code / most is decoded as sRGB
- * unless the texture is linear, and alpha never. */
-static void check_codes(const char *name, const unsigned (*codes)[4], unsigned texels, unsigned most) {
-    write_texture(name, FATHOM_COLOR_AUTO, "written.tx");
-    const fathom_texture t[3] = {texture_of(name, FATHOM_COLOR_AUTO), texture_of(name, FATHOM_COLOR_LINEAR),
-                                 texture_of("written.tx", FATHOM_COLOR_AUTO)};
-    opened o = open_textures(t, 3, ALL);
-    for (fathom_id id = 0; id < 3; ++id) {
-        for (unsigned i = 0; i < texels; ++i) {
-            float rgba[4];
-            texel(o.cache, id, 0, i, 0, rgba);
-            for (int c = 0; c < 4; ++c) {
-                const double at = codes[i][c] / (double)most;
-                assert_true(rgba[c] == (float)(c < 3 && id != 1 ? srgb(at) : at));
-            }
-        }
-    }
-}
-
 /* maketx writes such files. Integers stay integers, so that they are decoded as sRGB; a colour above alpha
  * becomes 1. */
 UNIT_TEST(premultiplied_integers_are_divided_as_integers) {
@@ -283,14 +262,6 @@ UNIT_TEST(integers_of_32_bits_count_as_srgb_as_well) {
                                          {0, UINT32_MAX, 1u << 31, UINT32_MAX}};
     put_tiff("a.tif", 2, 4, 32, codes);
     check_codes("a.tif", (const unsigned[][4]){{1, 0, 2, 2}, {0, 2, 1, 2}}, 2, 2);
-}
-
-/* Texels (20, 200) and (255, 0): OpenImageIO gives no name to the alpha of a grey TGA. */
-UNIT_TEST(a_grey_tga_has_alpha) {
-    static const unsigned char header[18] = {[2] = 3, [12] = 2, [14] = 1, [16] = 16, [17] = 0x28};
-    static const unsigned char body[4] = {20, 200, 255, 0};
-    put_file("a.tga", header, sizeof header, body, sizeof body);
-    check_codes("a.tga", (const unsigned[][4]){{20, 20, 20, 200}, {255, 255, 255, 0}}, 2, 255);
 }
 
 static void put_ktx2(const char *name, const ktx2_recipe *r) {
@@ -424,34 +395,6 @@ UNIT_TEST(pngs_of_gamma_1_are_linear_unless_the_scene_says_otherwise) {
         const double expected = i == 1 ? srgb(100 / 255.0) : 100 / 255.0;
         assert_true(rgba[0] == (float)expected);
     }
-}
-
-/* Radiance's +Y: the first row is the lowest one. */
-UNIT_TEST(radiance_files_may_have_their_lowest_row_first) {
-    static const char header[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 2 +X 1\n";
-    static const unsigned char rows[8] = {32, 32, 32, 128, 64, 64, 64, 128};
-    put_file("a.hdr", header, sizeof header - 1, rows, sizeof rows);
-    const fathom_texture t = texture_of("a.hdr", FATHOM_COLOR_LINEAR);
-    const image *img;
-    float upper[4], lower[4];
-    opened o = open_textures(&t, 1, ALL);
-    texel(o.cache, 0, 0, 0, 0, upper);
-    texel(o.cache, 0, 0, 0, 1, lower);
-    assert_true(upper[0] == 2 * lower[0] && lower[0] > 0);
-    assert_ok(context, image_read(context, in_folder("a.hdr"), &img));
-    assert_memory_equal(img->channels[0].data, upper, sizeof(float));
-    image_release(img);
-}
-
-/* WebP without loss, of the texels (255, 0, 255, 128) and (0, 255, 0, 255). OpenImageIO 2 multiplies WebP's
- * colours by alpha. */
-UNIT_TEST(webp_keeps_its_colors_below_alpha) {
-    static const unsigned char bytes[] = {'R',  'I',  'F',  'F',  32,   0,    0,    0,    'W',  'E',
-                                          'B',  'P',  'V',  'P',  '8',  'L',  20,   0,    0,    0,
-                                          0x2f, 0x01, 0x00, 0x00, 0x10, 0x0f, 0x30, 0xff, 0xfb, 0xbf,
-                                          0xff, 0xff, 0x03, 0x0c, 0x0f, 0x54, 0x20, 0xa2, 0xff, 0x01};
-    put_file("a.webp", bytes, sizeof bytes, "", 0);
-    check_codes("a.webp", (const unsigned[][4]){{255, 0, 255, 128}, {0, 255, 0, 255}}, 2, 255);
 }
 
 int main(void) { return unit_main(open_folder, remove_folder); }
