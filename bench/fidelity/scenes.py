@@ -359,6 +359,34 @@ def sparse(s):
         show(s, s.material((0.8, 0.5, 0.2)), {**shape, "POSITION": k}, translation=at)
 
 
+@scene("two morph targets with weights")
+def morph(s):
+    stage(s)
+    shape = quad(1.4, 1.4)
+    at = show(s, s.material((0.8, 0.5, 0.2), s.texture(patches())), shape, rotation=about((0, 1, 0), 20))
+    mesh = s.json["meshes"][s.json["nodes"][at]["mesh"]]
+    moves = np.float32([[[0, 0, 0], [0.5, 0, 0], [0.5, 0.4, 0], [0, 0, 0]],
+                        [[-0.4, -0.3, 0], [0, 0, 0], [0, 0, 0], [0, 0.5, 0]]])
+    mesh["primitives"][0]["targets"] = [{"POSITION": s.accessor(move)} for move in moves]
+    mesh["weights"] = [0.7, 0.4]
+
+
+@scene("a skin of two joints")
+def skin(s):
+    stage(s)
+    along = np.linspace(0, 1, 17)
+    points = np.float32([[2 * a - 1, b, 0] for a in along for b in (-0.3, 0.3)])
+    first = 2 * np.arange(len(along) - 1)
+    shape = {"POSITION": points, "NORMAL": np.float32([[0, 0, 1]] * len(points)),
+             "TEXCOORD_0": np.float32([[a, b] for a in along for b in (1, 0)]),
+             "indices": np.uint16(np.stack([first, first + 2, first + 3, first, first + 3, first + 1], 1).ravel()),
+             "JOINTS_0": s.accessor(np.uint8([[0, 1, 0, 0]] * len(points))),
+             "WEIGHTS_0": np.float32([[1 - a, a, 0, 0] for a in along.repeat(2)])}
+    at = show(s, s.material((0.9, 0.8, 0.7), s.texture(patches())), shape)
+    joints = [s.node(translation=[0, -0.2, 0]), s.node(translation=[0, 0.5, 0], rotation=about((0, 0, 1), 50))]
+    s.json["nodes"][at]["skin"] = s.push("skins", {"joints": joints})
+
+
 @scene("KHR_mesh_quantization: positions, normals and uvs as integers")
 def quantized(s):
     stage(s)
