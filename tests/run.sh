@@ -41,8 +41,9 @@ plainer_sets() {
     true
 }
 
-sanitized() { # options of ctest
-    build sanitize all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
+sanitized() { # target, options of ctest
+    build sanitize "$1" -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=address,undefined
+    shift
     # Libraries of the distribution that stay loaded at exit keep memory: tests/leaks.supp says which.
     ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
         LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 \
@@ -63,8 +64,8 @@ for kind; do
             FATHOM_ISA=$set ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs" -L isa
         done
         ;;
-    sanitize) sanitized -LE release ;;
-    sanitize-all) sanitized ;;
+    sanitize) sanitized sanitize_tests -LE release ;;
+    sanitize-all) sanitized all ;;
     thread)
         build thread thread_tests -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
         ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads

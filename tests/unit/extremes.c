@@ -35,7 +35,7 @@ static void check_row(const extremes_row *row) {
 UNIT_TEST(every_case_gives_its_rows) {
     static const char *const specs[] = {"linear:f32", "linear:f64", "bvh",
                                         "bvh:f128",   "embree",     "embree:user"};
-    extremes_options options = asked(specs, 6, 36);
+    extremes_options options = asked(specs, 6, SANITIZED ? 12 : 36);
     for (unsigned g = 0; g < extremes_groups(); ++g) {
         extremes_rows rows = {.items = NULL};
         run_group(g, &options, &rows);

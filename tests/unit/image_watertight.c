@@ -3,8 +3,8 @@
 
 #include "math/vec.h"
 
-#define W 96
-#define H 72
+#define W (SANITIZED ? 72 : 96)
+#define H (SANITIZED ? 54 : 72)
 
 /* A closed mesh whose front is a grid of these points and whose back is a fan to the apex. */
 static void add_cave_to(stage *s, fathom_id group, const vec3_f64 *points, vec3_f64 apex,

@@ -6,8 +6,13 @@
 /* ---- against the reference ---- */
 
 UNIT_TEST(both_integrators_blur_alike) {
-    const laws_pair options = {
-        .across = 4, .down = 4, .depth = 4, .samples = 1 << 16, .seed = 1, .threads = 2, .allowance = 2e-5};
+    const laws_pair options = {.across = 4,
+                               .down = 4,
+                               .depth = 4,
+                               .samples = SANITIZED ? 1 << 13 : 1 << 16,
+                               .seed = 1,
+                               .threads = 2,
+                               .allowance = 2e-5};
     for (unsigned moves = TURN; moves <= ALL; moves = moves == NEST  ? ALL
                                                       : moves == ALL ? ALL + 1
                                                                      : 2 * moves) {

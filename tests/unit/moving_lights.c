@@ -213,10 +213,10 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
             p.query.p[0][i] = (float)-w->origin.x, p.query.p[1][i] = (float)-w->origin.y;
             p.query.p[2][i] = (float)(1e-3 - w->origin.z), p.query.n[2][i] = 1;
         }
-        for (int k = 0; k < 60000; ++k) sample(&p);
+        for (int k = 0; k < (SANITIZED ? 3750 : 60000); ++k) sample(&p);
         for (int a = 0; a < WAYS; ++a) {
             const sample_mean x = mean_of(&p.ways[a]), y = mean_of(&p.ways[(a + 1) % WAYS]);
-            assert_true(x.error < 0.01 * x.mean);
+            assert_true(x.error < (SANITIZED ? 0.04 : 0.01) * x.mean); /* one over the root of how many */
             if (welch_p(x, y, 0, 1e-6) < level)
                 fail_msg("%s, ways %d and %d: %g +- %g, %g +- %g", lamps[kind], a, (a + 1) % WAYS, x.mean,
                          x.error, y.mean, y.error);
@@ -230,8 +230,13 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
 
 /* Each pair alarms falsely once in 100,000 seeds, which are fixed. */
 UNIT_TEST(both_integrators_show_the_same_light) {
-    const laws_pair options = {
-        .across = 4, .down = 4, .depth = 4, .samples = 1 << 17, .seed = 1, .threads = 2, .allowance = 2e-5};
+    const laws_pair options = {.across = 4,
+                               .down = 4,
+                               .depth = 4,
+                               .samples = SANITIZED ? 1 << 13 : 1 << 17,
+                               .seed = 1,
+                               .threads = 2,
+                               .allowance = 2e-5};
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
         laws_difference d;

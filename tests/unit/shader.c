@@ -57,7 +57,7 @@ static fathom_material leaf(void) {
 
 /* ---- samples against densities ---- */
 
-enum { RINGS = 24, SECTORS = 16, BINS = RINGS * SECTORS, FINE = 32 };
+enum { RINGS = 24, SECTORS = 16, BINS = RINGS * SECTORS, FINE = 16 };
 
 /* Rings about the mirrored viewer (0, 1, 2: x, y, z of an axis), narrower towards it. */
 typedef struct polar {
@@ -320,7 +320,7 @@ static void check_sample(const surface_block *s, const shader *table, const shad
 UNIT_TEST(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque) {
     random_state r = {3};
     const shader_kernels *kernels = shader_kernels_best();
-    for (int round = 0; round < 20000; ++round) {
+    for (int round = 0; round < (SANITIZED ? 250 : 10000); ++round) {
         surface_block s;
         shader table[8];
         shader_block block;
@@ -437,7 +437,7 @@ static lane_found found_by(const shader_kernels *kernels, const surface_block *s
 /* Which points share a block depends on the crop and on the wave: what they become must not. */
 UNIT_TEST(no_lane_depends_on_its_neighbours) {
     random_state r = {8};
-    for (int round = 0; round < 10000; ++round) {
+    for (int round = 0; round < (SANITIZED ? 250 : 10000); ++round) {
         surface_block s;
         shader table[8];
         lanes3 u, l;
@@ -486,7 +486,7 @@ static void random_unit_vector(random_state *r, double out[3]) {
  * to a few 2^-24 absolutely. */
 UNIT_TEST(scattering_is_reciprocal) {
     random_state r = {9};
-    for (int k = 0; k < (SANITIZED ? 2000 : 20000); ++k) {
+    for (int k = 0; k < (SANITIZED ? 64 : 10000); ++k) {
         const float roughness = (float)random_in(&r, 0.2, 1), ior = (float)random_in(&r, 1.2, 2);
         fathom_material m = metallic((float)random_unit(&r), roughness);
         const bool lectures = k % 4 == 0;

@@ -5,7 +5,7 @@
 #include "math/frame.h"
 #include "shading.h"
 
-enum { MATERIALS = 150, VIEWS = 24, DIRECTIONS = 64 };
+enum { MATERIALS = SANITIZED ? 40 : 150, VIEWS = SANITIZED ? 8 : 24, DIRECTIONS = SANITIZED ? 16 : 64 };
 
 /* ---- materials ---- */
 

@@ -364,7 +364,7 @@ UNIT_TEST(a_footprint_reads_the_level_whose_texels_have_its_area) {
  * the same places, so their means differ by what N choices among values in [0,1] leave: a standard deviation
  * of at most 1 / (2 sqrt(N)). One in 10^5 runs exceeds 5.6 of these in any of the 400 comparisons. */
 UNIT_TEST(filters_by_chance_keep_the_expectation) {
-    enum { N = 4096 };
+    enum { N = SANITIZED ? 256 : 4096 };
     put_noise("n.ppm", 65, 33, 4);
     fathom_texture t[2] = {texture_of("n.ppm", FATHOM_COLOR_SRGB), texture_of("n.ppm", FATHOM_COLOR_SRGB)};
     t[1].filter = FATHOM_TEXTURE_STOCHASTIC;
@@ -513,7 +513,7 @@ UNIT_TEST(mip_mapped_files_keep_the_type_and_what_alpha_hides) {
 
 /* ---- limits and threads ---- */
 
-enum { IMAGES = 16, LOOKUPS = 60000 };
+enum { IMAGES = 16, LOOKUPS = SANITIZED ? 15000 : 60000 };
 
 static const char *image_name(unsigned i) {
     static const char *const names[IMAGES] = {"0.ppm",  "1.ppm",  "2.ppm",  "3.ppm", "4.ppm",  "5.ppm",

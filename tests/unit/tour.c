@@ -16,7 +16,7 @@
 #include <glob.h>
 
 #ifdef FATHOM_SANITIZED
-enum { WIDTH = 24, HEIGHT = 18 };
+enum { WIDTH = 16, HEIGHT = 12 };
 #else
 enum { WIDTH = 36, HEIGHT = 27 };
 #endif
