@@ -320,7 +320,7 @@ static void check_sample(const surface_block *s, const shader *table, const shad
 UNIT_TEST(any_material_gives_finite_numbers_and_no_light_through_what_is_opaque) {
     random_state r = {3};
     const shader_kernels *kernels = shader_kernels_best();
-    for (int round = 0; round < (SANITIZED ? 250 : 10000); ++round) {
+    for (int round = 0; round < (SANITIZED ? 250 : 20000); ++round) {
         surface_block s;
         shader table[8];
         shader_block block;
