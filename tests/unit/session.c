@@ -3,7 +3,7 @@
 
 #include <fathom/session.h>
 
-#define SIDE 192
+#define SIDE (SANITIZED ? 96 : 192)
 
 static void fill(stage *s) {
     fathom_light light = default_light();
