@@ -15,6 +15,7 @@ cd "$(dirname "$0")/.."
 source=$(pwd)
 builds=${FATHOM_BUILD:-$source/build}
 jobs=$(nproc)
+at_once=$((jobs + 1)) # tests that wait leave a core to others
 
 sh tests/packages.sh test
 
@@ -47,7 +48,7 @@ sanitized() { # target, options of ctest
     # Libraries of the distribution that stay loaded at exit keep memory: tests/leaks.supp says which.
     ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1 \
         LSAN_OPTIONS=suppressions=$source/tests/leaks.supp:print_suppressions=0 \
-        ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$jobs" "$@"
+        ctest --test-dir "$builds/test-sanitize" --output-on-failure -j "$at_once" "$@"
 }
 
 mkdir -p "$builds"
@@ -58,17 +59,17 @@ for kind; do
         # Another clang-format lays out other things differently: Debian 12's judges.
         if clang-format --version | grep -q 'version 14\.' && [ -e "$source/.git" ]; then check_layout; fi
         build release all -DCMAKE_BUILD_TYPE=Release
-        ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs"
+        ctest --test-dir "$builds/test-release" --output-on-failure -j "$at_once"
         for set in $(plainer_sets); do
             echo "== release: tests that depend on the instruction set, with no more than $set"
-            FATHOM_ISA=$set ctest --test-dir "$builds/test-release" --output-on-failure -j "$jobs" -L isa
+            FATHOM_ISA=$set ctest --test-dir "$builds/test-release" --output-on-failure -j "$at_once" -L isa
         done
         ;;
     sanitize) sanitized sanitize_tests -LE release ;;
     sanitize-all) sanitized all ;;
     thread)
         build thread thread_tests -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
-        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs" -L threads
+        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$at_once" -L threads
         ;;
     fuzz)
         sh "$source/tests/fuzz.sh" 10
@@ -79,7 +80,7 @@ for kind; do
         ;;
     thread-all)
         build thread all -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFATHOM_SANITIZE=thread
-        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$jobs"
+        ctest --test-dir "$builds/test-thread" --output-on-failure -j "$at_once"
         ;;
     *)
         echo "usage: sh tests/run.sh [release] [sanitize] [thread] [fuzz] [analyze] [sanitize-all] [thread-all]" >&2
