@@ -13,16 +13,18 @@ python=/usr/bin/python3
 "$python" "$source/bench/fidelity/scenes.py" "$folder/scenes"
 rm -f "$folder/ours/"*.exr
 
-# Name, file, size and background of each scene, by tabs.
+# Name, file, size, background and options of each scene, by tabs.
 "$python" -c 'import json, sys
 for s in json.load(open(sys.argv[1])):
-    print(s["name"], s["file"], "%dx%d" % tuple(s["size"]), ",".join(map(str, s["background"])), sep="\t")' \
+    print(s["name"], s["file"], "%dx%d" % tuple(s["size"]), ",".join(map(str, s["background"])), *s["options"],
+          sep="\t")' \
     "$folder/scenes/scenes.json" >"$folder/list"
 tab=$(printf '\t')
-while IFS=$tab read -r name file size background; do
+while IFS=$tab read -r name file size background options; do
     for seed in $seeds; do
+        # shellcheck disable=SC2086 # several options
         "$program" render "$file" -o "$folder/ours/$name-$seed.exr" --exr-float --size "$size" --spp "$spp" \
-            --background "$background" --seed "$seed" --quiet
+            --background "$background" --seed "$seed" --quiet $options
     done
 done <"$folder/list"
 # shellcheck disable=SC2086 # several seeds

@@ -132,6 +132,7 @@ class Scene:
     def __init__(self, name, says, shading="matt", background=(0.5, 0.6, 0.7), size=(96, 96)):
         self.name, self.says, self.shading = name, says, shading
         self.background, self.size, self.twin, self.embed = background, size, None, False
+        self.options = []  # of `fathom render`
         self.blob, self.files = bytearray(), {}
         self.json = {"asset": {"version": "2.0", "generator": "bench/fidelity"}, "scene": 0, "scenes": [{"nodes": []}]}
 
@@ -202,6 +203,12 @@ class Scene:
         else:
             self.json["nodes"][parent].setdefault("children", []).append(at)
         return at
+
+    def animate(self, node, path, times, values, interpolation="LINEAR"):
+        animation = self.json.setdefault("animations", [{"channels": [], "samplers": []}])[0]
+        animation["samplers"].append({"input": self.accessor(np.float32(times)), "output": self.accessor(np.float32(values)),
+                                      "interpolation": interpolation})
+        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}})
 
     def camera(self, translation=(0, 0, 4), rotation=(0, 0, 0, 1), yfov=0.6, aspect=None):
         lens = {"yfov": yfov, "znear": 0.01}

@@ -387,6 +387,70 @@ def skin(s):
     s.json["nodes"][at]["skin"] = s.push("skins", {"joints": joints})
 
 
+def cubic(t, start, out, into, end):
+    """A piece of a spline over one second."""
+    return ((2 * t**3 - 3 * t**2 + 1) * start + (t**3 - 2 * t**2 + t) * out + (3 * t**2 - 2 * t**3) * end
+            + (t**3 - t**2) * into)
+
+
+@scene("animations at a time: linear, stepped and spline; Blender gets the pose")
+def animations(s):
+    t = 0.3
+    s.options = ["--time", str(t)]
+    s.twin = Scene(s.name + "-posed", "")
+    spline = np.float32([[0, 0, 0], [-0.6, 0.6, 0], [2, 1, 0], [1, -1, 0], [0.6, 0.2, 0], [0, 0, 0]])
+    poses = [{"translation": [-0.6 + t * 0.5, -0.6, 0]}, {"translation": [0.6, -0.6, 0], "rotation": about((0, 0, 1), 90 * t)},
+             {"translation": [0, 0, 0], "scale": [0.5, 1, 1]}, {"translation": cubic(t, *spline[1:5]).tolist()}]
+    for to, posed in ((s, False), (s.twin, True)):
+        stage(to)
+        material = to.material((0.9, 0.8, 0.7), to.texture(patches()))
+        at = [show(to, material, quad(0.6, 0.6), **(pose if posed else {"translation": pose["translation"]})) for pose in poses]
+    s.animate(at[0], "translation", [0, 1], [[-0.6, -0.6, 0], [-0.1, -0.6, 0]])
+    s.animate(at[1], "rotation", [0, 1], [about((0, 0, 1), 0), about((0, 0, 1), 90)])
+    s.animate(at[2], "scale", [0, 0.2, 1], [[1, 1, 1], [0.5, 1, 1], [2, 2, 2]], "STEP")
+    s.animate(at[3], "translation", [0, 1], spline, "CUBICSPLINE")
+
+
+@scene("KHR_materials_variants, the second; Blender gets its material")
+def variants(s):
+    s.options = ["--variant", "night"]
+    s.twin = Scene(s.name + "-plain", "")
+    for to, color in ((s, (0.9, 0.2, 0.1)), (s.twin, (0.1, 0.2, 0.8))):
+        stage(to)
+        at = show(to, to.material(color), sphere(0.9, 64, 32))
+    mapping = {"material": s.material((0.1, 0.2, 0.8)), "variants": [1]}
+    s.uses("KHR_materials_variants")
+    s.json["extensions"]["KHR_materials_variants"] = {"variants": [{"name": "day"}, {"name": "night"}]}
+    primitive = s.json["meshes"][s.json["nodes"][at]["mesh"]]["primitives"][0]
+    primitive["extensions"] = {"KHR_materials_variants": {"mappings": [mapping]}}
+
+
+@scene("KHR_node_visibility; Blender gets the visible nodes")
+def node_visibility(s):
+    s.twin = Scene(s.name + "-seen", "")
+    s.uses("KHR_node_visibility")
+    for to in (s, s.twin):
+        stage(to)
+        for k, place in enumerate(spread(to, 4, 1.1)):
+            hidden = {"extensions": {"KHR_node_visibility": {"visible": False}}} if k in (1, 2) else {}
+            if to is s or not hidden:
+                show(to, to.material((0.8, 0.5, 0.2)), quad(0.9, 0.9), translation=place, **hidden)
+
+
+@scene("points as spheres; Blender gets spheres")
+def points(s):
+    s.twin = Scene(s.name + "-spheres", "")
+    at = np.float32([[x, y, 0.3 * x * y] for x in np.linspace(-1, 1, 30) for y in np.linspace(-1, 1, 30)])
+    radius = float(np.linalg.norm(at.max(0) - at.min(0))) / 80  # scenes/README.md: as D / (2 sqrt 900) is larger
+    for to in (s, s.twin):
+        stage(to)
+    show(s, s.material((0.8, 0.5, 0.2)), None)
+    s.json["meshes"][-1] = {"primitives": [{"attributes": {"POSITION": s.accessor(at)}, "material": 0, "mode": 0}]}
+    ball = s.twin.mesh((sphere(radius, 32, 16), s.twin.material((0.8, 0.5, 0.2))))
+    for place in at:
+        s.twin.node(mesh=ball, translation=place.tolist())
+
+
 @scene("KHR_mesh_quantization: positions, normals and uvs as integers")
 def quantized(s):
     stage(s)
@@ -642,6 +706,19 @@ def clearcoat(s):
                         {"clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.3}, {"clearcoatFactor": 0.5})])
 
 
+@scene("KHR_materials_sheen, roughness 0.3 to 1", shading="blender")
+def sheen(s):
+    balls(s, [s.material((0.3, 0.05, 0.05), extensions={"KHR_materials_sheen": {
+        "sheenColorFactor": [0.8, 0.8, 1], "sheenRoughnessFactor": r}}) for r in (0.3, 0.5, 0.7, 1)])
+
+
+@scene("KHR_materials_pbrSpecularGlossiness", shading="blender")
+def specular_glossiness(s):
+    balls(s, [s.material(extensions={"KHR_materials_pbrSpecularGlossiness": {
+        "diffuseFactor": [0.5, 0.1, 0.1, 1], "specularFactor": [f, f, f], "glossinessFactor": g}})
+        for f, g in ((0.04, 0.7), (0.04, 0.2), (0.2, 0.7), (0.5, 0.5))])
+
+
 @scene("KHR_materials_transmission without a volume: thin walls", shading="blender")
 def transmission(s):
     stage(s)
@@ -679,6 +756,6 @@ if __name__ == "__main__":
         path = s.write(folder)
         other = s.twin.write(folder) if s.twin else path
         listed.append({"name": s.name, "says": s.says, "file": path, "twin": other, "shading": s.shading,
-                       "background": s.background, "size": s.size})
+                       "background": s.background, "size": s.size, "options": s.options})
     with open(os.path.join(folder, "scenes.json"), "w") as file:
         json.dump(listed, file, indent=1)
