@@ -73,9 +73,3 @@ bool material_is_one_sided(const fathom_material *m) {
 float material_opacity(const fathom_material *m) {
     return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
 }
-
-bool material_may_pass(const fathom_material *m) {
-    const bool clear =
-        m->model == FATHOM_MODEL_CLASSIC ? m->ior == 1 : m->transmission > 0 && !(m->thickness > 0);
-    return clear || m->opacity < 1 || m->maps[FATHOM_MAP_OPACITY].texture != FATHOM_NONE;
-}

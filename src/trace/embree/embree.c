@@ -110,7 +110,6 @@ static void destroy(trace_tracer *base) {
     free(tracer->clusters);
     free(tracer->halved);
     free(tracer->few);
-    free(tracer->passing);
     release_device(tracer->device);
     free(tracer);
 }

@@ -214,9 +214,7 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
         if (!apart || rays->t_far[i] < 0) continue;
         unsigned k = 0;
         while (k < ROUNDS && !w->tracer->retry->any(w->tracer->self, rays, i, k)) ++k;
-        if (k == ROUNDS) continue;
-        if (w->tracer->tells_opaque) rays->t_far[i] = TRACE_NOT_OPAQUE; /* the surface is not known */
-        ++changed;
+        changed += k < ROUNDS;
     }
     return changed;
 }
