@@ -76,7 +76,7 @@ static inline uint32_t tree_factor_at(const tree *t, uint32_t slot) {
 /* The block of the light in this slot, as tree_factor_at(). */
 uint32_t tree_block(const tree *t, uint32_t slot);
 
-/* What is known of the lights in a region: tree_view.h. */
+/* Knowledge of the lights in a region: tree_view.h. */
 typedef struct tree_view tree_view;
 
 /* The probability that choose() takes the light in this slot. view: NULL: nothing is known. */

@@ -1,5 +1,5 @@
-/* What is known of the lights in a region of surfaces: factors of their weights, and perhaps a list of parts
- * of the light tree. A part is a child of a node, which is a light or a node. Together the parts hold all
+/* A view of the lights from a region of surfaces: factors of their weights, and perhaps a list of parts of
+ * the light tree. A part is a child of a node, which is a light or a node. Together the parts hold all
  * lights.
  *
  * Within the list's box, a traversal starts from the list instead of a cut. The weights of bright and varying

@@ -1,7 +1,7 @@
 /* Cameras far from what they show, by closed form and against the reference: the image does not depend on the
  * distance. */
+#include "pairs.h"
 #include "render.h"
-#include "verify/laws/laws.h"
 
 enum { SIDE = 16 };
 /* The height of the view where the camera looks, and the size of a pixel there. */
@@ -153,13 +153,7 @@ UNIT_TEST(textures_are_filtered_alike_from_any_distance) {
  * and by the reference, which is in double. One false alarm in 1e5; the allowance is that of `fathom validate
  * --light`. */
 UNIT_TEST(the_reference_shows_the_same_from_any_distance) {
-    const laws_pair options = {.across = 4,
-                               .down = 4,
-                               .depth = 4,
-                               .samples = SANITIZED ? 1 << 13 : 1 << 17,
-                               .seed = 1,
-                               .threads = 2,
-                               .allowance = 2e-5};
+    const laws_pair options = pair_of(4, 1 << 17);
     for (int i = 0; i < 2 * DISTANCES; ++i) {
         const double distance = distances[i / 2];
         fathom_camera camera = look_from(distance, i % 2 ? LENS : PINHOLE);

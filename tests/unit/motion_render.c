@@ -1,18 +1,13 @@
 /* Images of what moves: the mean of still images, path tracing against the reference, and which changes
  * change no bit. */
 #include "moving.h"
+#include "pairs.h"
 #include "stills.h"
 
 /* ---- against the reference ---- */
 
 UNIT_TEST(both_integrators_blur_alike) {
-    const laws_pair options = {.across = 4,
-                               .down = 4,
-                               .depth = 4,
-                               .samples = SANITIZED ? 1 << 13 : 1 << 16,
-                               .seed = 1,
-                               .threads = 2,
-                               .allowance = 2e-5};
+    const laws_pair options = pair_of(4, 1 << 16);
     for (unsigned moves = TURN; moves <= ALL; moves = moves == NEST  ? ALL
                                                       : moves == ALL ? ALL + 1
                                                                      : 2 * moves) {

@@ -2,9 +2,9 @@
  * and images. */
 #include "light/emitters_inner.h"
 #include "moving.h"
+#include "pairs.h"
 #include "random.h"
 #include "trace/trace.h"
-#include "verify/laws/laws.h"
 #include "worlds.h"
 
 /* ---- scenes: one lamp over a floor ---- */
@@ -230,13 +230,7 @@ UNIT_TEST(every_way_to_sample_has_one_expectation) {
 
 /* Each pair alarms falsely once in 100,000 seeds, which are fixed. */
 UNIT_TEST(both_integrators_show_the_same_light) {
-    const laws_pair options = {.across = 4,
-                               .down = 4,
-                               .depth = 4,
-                               .samples = SANITIZED ? 1 << 13 : 1 << 17,
-                               .seed = 1,
-                               .threads = 2,
-                               .allowance = 2e-5};
+    const laws_pair options = pair_of(4, 1 << 17);
     for (lamp kind = 0; kind < LAMPS; ++kind) {
         stage s = lamp_stage(kind);
         laws_difference d;

@@ -2,11 +2,11 @@
  * the window is. */
 #include "image/image.h"
 #include "math/lane.h"
+#include "pairs.h"
 #include "plans.h"
 #include "random.h"
 #include "scene/scene.h"
 #include "unit_folder.h"
-#include "verify/laws/laws.h"
 
 enum { WIDTH = 64, HEIGHT = 32 };
 
@@ -76,13 +76,7 @@ static stage room(room_parts with) {
 }
 
 UNIT_TEST(rooms_are_lit_as_the_reference_says) {
-    const laws_pair options = {.across = 4,
-                               .down = 4,
-                               .depth = 6,
-                               .samples = SANITIZED ? 1 << 13 : 1 << 17,
-                               .seed = 1,
-                               .threads = 2,
-                               .allowance = 2e-5};
+    const laws_pair options = pair_of(6, 1 << 17);
     const room_parts rooms[] = {{true, false, 0, 0},  {true, true, 0, 0},  {true, false, 5, 0},
                                 {false, false, 0, 0}, {false, true, 0, 0}, {false, false, 5, 0},
                                 {true, false, 0, 2},  {false, false, 5, 1}};

@@ -2,10 +2,10 @@
  * lamps it has. */
 #include "light/emitters_inner.h"
 #include "math/lane.h"
+#include "pairs.h"
 #include "plans.h"
 #include "random.h"
 #include "scene/scene.h"
-#include "verify/laws/laws.h"
 
 /* Lamps of a room: one node of the light tree, or several. */
 enum { FEW = 3, MANY = 24 };
@@ -38,13 +38,7 @@ static stage rooms(int lamps, float near, float far) {
 }
 
 UNIT_TEST(rooms_without_doors_are_lit_as_the_reference_says) {
-    const laws_pair options = {.across = 4,
-                               .down = 4,
-                               .depth = 5,
-                               .samples = SANITIZED ? 1 << 13 : 1 << 16,
-                               .seed = 1,
-                               .threads = 2,
-                               .allowance = 2e-5};
+    const laws_pair options = pair_of(5, 1 << 16);
     for (int k = 0; k < 2; ++k) {
         stage s = rooms(k ? MANY : FEW, 1, 300);
         laws_difference d;

@@ -4,9 +4,9 @@
 #include "trace/trace.h"
 #include "worlds.h"
 
+#include "pairs.h"
 #include "render.h"
 #include "unit_folder.h"
-#include "verify/laws/laws.h"
 #include "written.h"
 
 #include <string.h>
@@ -285,13 +285,7 @@ UNIT_TEST(each_point_has_its_colour) {
 
 /* Each alarms falsely once in 100,000 seeds, which are fixed. */
 UNIT_TEST(path_and_reference_agree_on_clouds) {
-    static const laws_pair options = {.across = 4,
-                                      .down = 4,
-                                      .depth = 6,
-                                      .samples = SANITIZED ? 1 << 13 : 1 << 17,
-                                      .seed = 1,
-                                      .threads = 2,
-                                      .allowance = 2e-5};
+    const laws_pair options = pair_of(6, 1 << 17);
     laws_difference d;
     stage s = crowd(false);
     look(&s);

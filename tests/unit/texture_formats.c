@@ -1,4 +1,4 @@
-/* What is peculiar to a format of images: its channels, its order of rows, how it is found. */
+/* Peculiarities of formats of images: channels, the order of rows, how a format is found. */
 #include "textures.h"
 
 /* Texels (20, 200) and (255, 0): OpenImageIO gives no name to the alpha of a grey TGA. */
