@@ -64,12 +64,6 @@ static fathom_status plan_surroundings(fathom_context *context, render_plan *pla
 
 /* ---- the path integrator ---- */
 
-/* Images may make it smooth in some places. */
-static bool is_pane(const fathom_material *m) {
-    if (m->model == FATHOM_MODEL_CLASSIC) return m->ior == 1;
-    return m->transmission > 0 && !(m->thickness > 0);
-}
-
 static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
     const fathom_scene *scene = plan->scene;
     const size_t count = scene->materials.count;
@@ -84,7 +78,7 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
         plan->crosses |= s->transmits || holes;
         plan->nested |= s->encloses && s->priority;
         plan->dispersive |= (s->lobes & SHADER_DISPERSIVE) != 0;
-        plan->panes |= s->clear || (plan->texturing && is_pane(&m));
+        plan->panes |= s->clear || (plan->texturing && material_is_pane(&m)); /* images may make it smooth */
         plan->covered |= s->hole > 0 || holes || plan->nested || plan->panes;
         plan->one_sided |= s->one_sided;
         plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;

@@ -110,6 +110,7 @@ static fathom_status run_build(build *b) {
     b->options = (trace_options){.words = settings->tracer,
                                  .timed = settings->integrator != FATHOM_INTEGRATOR_CLASSIC,
                                  .width = settings->block_width,
+                                 .tell_opaque = settings->integrator == FATHOM_INTEGRATOR_PATH,
                                  .threads = fathom_context_threads(b->context),
                                  .expected_rays = plan_expected_rays(w->scene, settings),
                                  .progress = b->progress ? on_build : NULL,

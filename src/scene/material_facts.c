@@ -73,3 +73,14 @@ bool material_is_one_sided(const fathom_material *m) {
 float material_opacity(const fathom_material *m) {
     return m->opacity_cutoff > 0 ? (m->opacity >= m->opacity_cutoff ? 1.0f : 0.0f) : m->opacity;
 }
+
+bool material_is_pane(const fathom_material *m) {
+    if (m->model == FATHOM_MODEL_CLASSIC) return m->ior == 1;
+    return m->transmission > 0 && !(m->thickness > 0);
+}
+
+bool material_may_pass(const fathom_material *m) {
+    fathom_material between;
+    mapped_between(m, &between);
+    return material_is_pane(&between) || m->opacity < 1 || m->maps[FATHOM_MAP_OPACITY].texture != FATHOM_NONE;
+}

@@ -173,6 +173,10 @@ bool material_only_emits(const fathom_material *material);
 bool material_is_one_sided(const fathom_material *material);
 /* The opacity; with a cutoff it is 0 or 1. */
 float material_opacity(const fathom_material *material);
+/* A thin wall that is clear where it is smooth. */
+bool material_is_pane(const fathom_material *material);
+/* False: no light passes its surfaces straight, unless vertex colours have alpha. */
+bool material_may_pass(const fathom_material *material);
 
 /* True when texture coordinates of meshes that are added now are kept. Materials must be added before the
  * shapes that use them. */

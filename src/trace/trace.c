@@ -156,6 +156,7 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
         trace_planes(tracer->world, &blocks[b], NULL, trace_lanes(count, b));
 }
 
+bool trace_tells_opaque(const trace_tracer *tracer) { return tracer->tells_opaque; }
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
 size_t trace_piece(const trace_tracer *tracer) { return tracer->slow ? LANES : 4096; }
 void trace_identity(const trace_tracer *tracer, char out[128]) {

@@ -81,6 +81,7 @@ typedef struct trace_options {
     unsigned width;         /* rays per Embree call: 1, 4, 8 or 16; 0 means 1. Hits do not depend on it */
     unsigned threads;       /* for building; 0: the context's */
     bool timed;             /* the caller's rays have times; required for a world that moves */
+    bool tell_opaque;       /* trace_any() shall tell opaque surfaces from others, if the tracer can */
     uint64_t expected_rays; /* of all kinds; 0: unknown, treated as many */
     trace_quality quality;
     uint64_t memory;  /* bytes for building and for the structure; 0: no limit */
@@ -119,8 +120,12 @@ void trace_closest(const trace_tracer *tracer, trace_block *blocks, size_t count
 /* Same, and also sets the lanes that hit in `fine`, one for each block. */
 void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_fine *fine, size_t count,
                         trace_coherence coherence);
-/* Rays that hit anything that casts a shadow get t_far = -infinity. */
+/* Rays that hit anything that casts a shadow get t_far = -infinity, or TRACE_NOT_OPAQUE. */
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
+/* If trace_tells_opaque(), trace_any() sets this where it met no surface that stops all light, but others, or
+ * does not know. -infinity: some surface stops all light. */
+#define TRACE_NOT_OPAQUE (-1.0f)
+bool trace_tells_opaque(const trace_tracer *tracer);
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);

@@ -49,6 +49,7 @@ struct trace_tracer {
     uint64_t bvh_bytes, peak_bytes, foreseen_bytes; /* see trace.h; 0: not known */
     double unit;                                    /* roundoff */
     bool slow;                                      /* a ray may take milliseconds */
+    bool tells_opaque;                              /* any() sets TRACE_NOT_OPAQUE */
     char name[64];
     char way[32]; /* other choices that hits depend on; "": none */
 };

@@ -1,5 +1,6 @@
 /* Some shadow rays cannot be resolved by an any-hit query. They are walked from closest hit to closest hit,
- * until they reach their light or their gain is 0.
+ * until they reach their light or their gain is 0. If the tracer tells opaque surfaces from others, rays that
+ * meet opaque ones are resolved: in rooms with cut-out leaves that is most of those that meet anything.
  *
  * Partly transparent surfaces (`opacity` below 1) and clear thin walls multiply the gain by the fraction of
  * light that passes straight through: the expected value of what paths do by chance.
@@ -38,10 +39,12 @@ static void take(wave *w, size_t k) {
  * to them. */
 void wave_take_shadows(wave *w) {
     const render_plan *plan = w->run.plan;
+    const bool told = trace_tells_opaque(plan->tracer);
     w->now.count = 0;
     for (size_t k = 0; k < w->shadows.count; ++k) {
         float *t_far = &w->shadows.rays[k / LANES].t_far[k % LANES];
-        if (!(*t_far < 0 ? plan->covered : plan->unshadowed && w->shadows.ends[k].sized)) continue;
+        const bool stopped = !plan->covered || (told && *t_far == -INFINITY);
+        if (*t_far < 0 ? stopped : !(plan->unshadowed && w->shadows.ends[k].sized)) continue;
         take(w, k);
         *t_far = -INFINITY;
     }

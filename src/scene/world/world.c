@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- shapes of one group, as geometries ---- */
 
@@ -212,4 +213,28 @@ fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, 
                                                     : w->instances.items[instance].material;
     return given != FATHOM_NONE ? given
                                 : scene_object_material(w->scene, world_object(w, geometry, primitive));
+}
+
+static bool may_pass(const world *w, fathom_id material) {
+    return material != FATHOM_NONE && material_may_pass(&w->scene->materials.items[material].value);
+}
+
+static bool geometry_may_pass(const world *w, uint32_t geometry) {
+    const world_geometry *g = &w->geometries.items[geometry];
+    if (g->kind == WORLD_MESH)
+        return w->meshes.items[g->first].color_channels >= 4 ||
+               may_pass(w, world_material(w, geometry, 0, FATHOM_NONE));
+    for (uint32_t i = 0; i < g->count; ++i)
+        if (may_pass(w, world_material(w, geometry, i, FATHOM_NONE))) return true;
+    return false;
+}
+
+uint8_t *world_passing(const world *w) {
+    uint8_t *out = calloc(w->geometries.count + 1, 1);
+    for (uint32_t i = 0; out && i < w->geometries.count; ++i) out[i] = geometry_may_pass(w, i);
+    for (size_t k = 0; out && k < w->instances.count; ++k) {
+        const world_group *group = &w->groups.items[w->instances.items[k].group];
+        if (may_pass(w, w->instances.items[k].material)) memset(out + group->first, 1, group->count);
+    }
+    return out;
 }

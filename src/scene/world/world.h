@@ -205,3 +205,6 @@ fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);
 /* The index of a primitive within its object: the triangle or the point of a mesh, else 0. */
 uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive);
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
+/* By geometry, 1: light may pass some of its surfaces straight, in its group or in an instance of that. NULL:
+ * out of memory. Release with free(). */
+uint8_t *world_passing(const world *w);

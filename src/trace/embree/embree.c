@@ -110,6 +110,7 @@ static void destroy(trace_tracer *base) {
     free(tracer->clusters);
     free(tracer->halved);
     free(tracer->few);
+    free(tracer->passing);
     release_device(tracer->device);
     free(tracer);
 }

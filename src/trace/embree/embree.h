@@ -29,6 +29,7 @@ typedef struct embree_tracer {
     few_spheres *few; /* the root's spheres, kept out of the scene; NULL: they are in it */
     const few_kernels *few_kernels;
     sphere_clusters *clusters; /* by the world's geometries: of the spheres that are in scenes; NULL: none */
+    uint8_t *passing;          /* by geometry: any-hit queries note its hits; NULL: of none */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that Embree may get */

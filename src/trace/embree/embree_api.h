@@ -55,6 +55,7 @@ enum {
     EMBREE_ROW_DIR = 4,
     EMBREE_ROW_T_FAR = 8,
     EMBREE_ROW_ID = 10,
+    EMBREE_ROW_FLAGS = 11,
     EMBREE_RAY_ROWS = 12,
     EMBREE_ROW_NG = 0, /* of the hit */
     EMBREE_ROW_U = 3,

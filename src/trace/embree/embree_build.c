@@ -57,6 +57,35 @@ static bool is_few(const embree_tracer *tracer, const world_group *group, const 
     return tracer->few && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
 
+/* The filter of any-hit queries on surfaces that light may pass straight: notes the hits, and passes. */
+static void note_hits(const struct RTCFilterFunctionNArguments *args) {
+    uint32_t *flags = (uint32_t *)(void *)args->ray + EMBREE_ROW_FLAGS * args->N;
+    for (unsigned i = 0; i < args->N; ++i)
+        if (args->valid[i]) flags[i] = 1, args->valid[i] = 0;
+}
+
+/* Embree's own shapes are told apart, and no others. */
+static bool can_tell(const world *w, const trace_spec *spec, const uint8_t *passing) {
+    for (size_t p = 0; p < w->planes.count; ++p)
+        if (material_may_pass(&w->scene->materials.items[w->planes.items[p].material].value)) return false;
+    for (size_t g = 0; g < w->geometries.count; ++g)
+        if (passing[g] && !embree_is_native(spec, w, &w->geometries.items[g])) return false;
+    return true;
+}
+
+/* False: out of memory. */
+static bool prepare_to_tell(embree_tracer *tracer) {
+    const world *w = tracer->base.world;
+    uint8_t *passing = world_passing(w);
+    if (!passing) return false;
+    tracer->base.tells_opaque = can_tell(w, &tracer->spec, passing);
+    if (tracer->base.tells_opaque && memchr(passing, 1, w->geometries.count))
+        tracer->passing = passing;
+    else
+        free(passing);
+    return true;
+}
+
 static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
     const world *w = tracer->base.world;
     for (uint32_t i = 0; i < group->count; ++i) {
@@ -65,6 +94,8 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
                                ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer, group->first + i);
+        if (made && tracer->passing && tracer->passing[group->first + i])
+            rtcSetGeometryOccludedFilterFunction(made, note_hits);
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }
 }
@@ -238,6 +269,8 @@ static fathom_status check_moving(const embree_tracer *tracer) {
 
 fathom_status embree_build(embree_tracer *tracer) {
     const world *w = tracer->base.world;
+    if (tracer->options->tell_opaque && !prepare_to_tell(tracer))
+        return fail_memory(tracer->context, w->geometries.count);
     const fathom_status movable = check_moving(tracer);
     if (movable != FATHOM_OK) return movable;
     tracer->scenes = calloc(w->groups.count, sizeof *tracer->scenes);

@@ -100,6 +100,9 @@ static void any_packets(const embree_tracer *tracer, trace_rays *rays, const int
                         embree_packet(&packets, first));
     }
     tracer->kernels->join(&packets, width, rays, NULL);
+    for (unsigned first = 0; tracer->passing && first < LANES; first += width)
+        memcpy(&rays->flags[first], embree_packet(&packets, first) + EMBREE_ROW_FLAGS * width,
+               width * sizeof *rays->flags);
 }
 
 bool embree_may_hang(const embree_tracer *tracer) {
@@ -113,11 +116,14 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     embree_context context;
     embree_context_init(&context);
     const embree_way way = embree_way_any(tracer, rays, lanes, coherence);
+    if (tracer->passing) memset(rays->flags, 0, sizeof rays->flags);
     if (way.width == LANES)
         embree_occluded(LANES, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
     else
         any_packets(tracer, rays, asked.valid, lanes, &way, &context);
     tracer->kernels->end_any(rays, lanes, &asked);
+    for (unsigned i = 0; tracer->passing && i < lanes; ++i)
+        if (rays->flags[i] && rays->t_far[i] > 0) rays->t_far[i] = TRACE_NOT_OPAQUE;
     if (tracer->few) embree_spheres_any(tracer, rays, lanes, &asked);
     return true;
 }
@@ -129,7 +135,7 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
     stretch_rays(&scaled, lanes, tracer->reach.direction, &s);
     any_block(tracer, &scaled, lanes, true, coherence);
     for (unsigned i = 0; i < lanes; ++i)
-        if (scaled.t_far[i] == -INFINITY) rays->t_far[i] = -INFINITY;
+        if (scaled.t_far[i] < 0 && rays->t_far[i] > 0) rays->t_far[i] = scaled.t_far[i];
 }
 
 void embree_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {

@@ -214,7 +214,9 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
         if (!apart || rays->t_far[i] < 0) continue;
         unsigned k = 0;
         while (k < ROUNDS && !w->tracer->retry->any(w->tracer->self, rays, i, k)) ++k;
-        changed += k < ROUNDS;
+        if (k == ROUNDS) continue;
+        if (w->tracer->tells_opaque) rays->t_far[i] = TRACE_NOT_OPAQUE; /* the surface is not known */
+        ++changed;
     }
     return changed;
 }

@@ -1,0 +1,127 @@
+/* Any-hit queries that tell opaque surfaces from those that light may pass straight. */
+#include "stage.h"
+
+enum { SQUARES = 120 };
+
+typedef struct things {
+    double center[SQUARES][3], u[SQUARES][3], v[SQUARES][3];
+} things;
+
+static void random_things(things *out) {
+    for (int i = 0; i < SQUARES; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            out->center[i][k] = between(-2, 2);
+            out->u[i][k] = between(-0.4, 0.4), out->v[i][k] = between(-0.4, 0.4);
+        }
+    }
+}
+
+static fathom_id glassy(stage *s) {
+    fathom_material m = default_material();
+    m.model = FATHOM_MODEL_METALLIC_ROUGHNESS, m.opacity = 0.5f;
+    return new_material(s->scene, "glassy", &m);
+}
+
+/* A mesh, because quads of one group are one geometry, and told together. */
+static void put(stage *s, fathom_id group, const things *t, int i, fathom_id material) {
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
+    float corners[4][3];
+    for (int k = 0; k < 3; ++k) {
+        const double at = t->center[i][k], u = t->u[i][k], v = t->v[i][k];
+        corners[0][k] = (float)(at - u - v), corners[1][k] = (float)(at + u - v);
+        corners[2][k] = (float)(at + u + v), corners[3][k] = (float)(at - u + v);
+    }
+    fathom_mesh mesh = default_mesh();
+    mesh.positions = corners[0], mesh.vertex_count = 4, mesh.indices = indices, mesh.triangle_count = 2;
+    mesh.material = material;
+    assert_ok(s->context, fathom_scene_add_mesh(s->scene, group, &mesh, NULL));
+}
+
+/* A third is opaque, a third is not, and a third is in a group, which is placed once as it is, and once with
+ * a material that is not opaque. */
+static stage all_of(const things *t, bool placed) {
+    const double there[12] = {0.6, -0.8, 0, 0.1, 0.8, 0.6, 0, 0.2, 0, 0, 1, 0};
+    stage s = stage_open();
+    const fathom_id clear = glassy(&s), group = placed ? new_group(s.scene, "things") : FATHOM_ROOT;
+    for (int i = 0; i < SQUARES; ++i)
+        put(&s, i % 3 == 2 ? group : FATHOM_ROOT, t, i, i % 3 == 1 || (i % 3 && !placed) ? clear : 0);
+    fathom_instance instance = default_instance();
+    instance.group = group, instance.material = clear;
+    memcpy(instance.transform, there, sizeof there);
+    if (placed) assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    return s;
+}
+
+static stage opaque_of(const things *t) {
+    stage s = stage_open();
+    for (int i = 0; i < SQUARES; i += 3) put(&s, FATHOM_ROOT, t, i, 0);
+    return s;
+}
+
+static trace_tracer *telling(stage *s, unsigned width) {
+    const trace_options options = {.words = "embree", .width = width, .threads = 2, .tell_opaque = true};
+    trace_tracer *tracer;
+    assert_ok(s->context, trace_create(s->context, stage_world(s), &options, &tracer));
+    return own_tracer(tracer);
+}
+
+static float *ends_of(const trace_tracer *tracer, const ray_set *set, trace_coherence coherence) {
+    const size_t blocks = (set->count + 15) / 16;
+    trace_rays *rays = aligned_alloc(64, blocks * sizeof *rays);
+    float *ends = unit_memory(set->count * sizeof *ends);
+    assert_non_null(rays);
+    for (size_t b = 0; b < blocks; ++b) rays[b] = set->blocks[b].rays;
+    const unsigned state = trace_thread_begin();
+    trace_any(tracer, rays, set->count, coherence);
+    trace_thread_end(state);
+    for (size_t i = 0; i < set->count; ++i) ends[i] = rays[i / 16].t_far[i % 16];
+    free(rays);
+    return ends;
+}
+
+static void expect_told(bool placed) {
+    static things t;
+    seed = 88172645463325252u;
+    random_things(&t);
+    stage whole = all_of(&t, placed), opaque = opaque_of(&t);
+    const ray_set set = random_rays(fewer(20003));
+    const unsigned char *stopped = occluded(stage_embree(&opaque, 1), &set, TRACE_INCOHERENT),
+                        *met = occluded(stage_embree(&whole, 1), &set, TRACE_INCOHERENT);
+    size_t count[3] = {0};
+    for (unsigned width = 1; width <= 16; width *= width == 1 ? 4 : 2) {
+        const trace_tracer *tracer = telling(&whole, width);
+        assert_true(trace_tells_opaque(tracer));
+        for (int k = 0; k < 2; ++k) {
+            const float *ends = ends_of(tracer, &set, k ? TRACE_COHERENT : TRACE_INCOHERENT);
+            for (size_t i = 0; i < set.count; ++i) {
+                const float expected = stopped[i] ? -INFINITY : met[i] ? TRACE_NOT_OPAQUE : INFINITY;
+                if (ends[i] != expected)
+                    fail_msg("ray %zu: %g, expected %g", i, (double)ends[i], (double)expected);
+                ++count[stopped[i] ? 0 : met[i] ? 1 : 2];
+            }
+        }
+    }
+    assert_true(count[0] > 1000 && count[1] > 1000 && count[2] > 1000);
+}
+
+/* Embree traces packets over instances by other kernels. */
+UNIT_TEST(opaque_surfaces_are_told_from_others) {
+    expect_told(false);
+    expect_told(true);
+}
+
+/* Hand-written intersectors do not tell; neither does a tracer that nobody asks. */
+UNIT_TEST(shapes_that_are_not_embrees_own_are_not_told_apart) {
+    for (int k = 0; k < 4; ++k) {
+        stage s = stage_open();
+        fathom_sphere sphere = default_sphere();
+        fathom_plane plane = default_plane();
+        if (k) sphere.material = plane.material = glassy(&s);
+        if (k != 2) assert_ok(s.context, fathom_scene_add_sphere(s.scene, FATHOM_ROOT, &sphere, NULL));
+        if (k != 1) assert_ok(s.context, fathom_scene_add_plane(s.scene, FATHOM_ROOT, &plane, NULL));
+        assert_true(trace_tells_opaque(telling(&s, 1)) == (k == 0));
+        assert_false(trace_tells_opaque(stage_embree(&s, 1)));
+    }
+}
+
+int main(void) { return unit_main(NULL, NULL); }
