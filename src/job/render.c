@@ -41,7 +41,11 @@ static bool on_build(void *user, double fraction) {
 
 static void build_plan(void *user) {
     build *b = user;
+    trace_passing passing;
     b->status = plan_create(b->context, b->world, b->tracer, b->settings, b->textures, &b->stop, &b->plan);
+    if (b->status != FATHOM_OK || !trace_tells_opaque(b->tracer) || !b->plan->texturing) return;
+    b->status = texturing_find_passing(b->plan->texturing, b->context, &passing);
+    if (b->status == FATHOM_OK) trace_know_passing(b->tracer, &passing);
 }
 
 static void report_build(void *user) {

@@ -37,6 +37,14 @@ static void plan_map(material_plan *p, int kind) {
     p->sets |= 1u << map->uv_set;
 }
 
+/* The lookup that sets the opacity and nothing else. */
+static uint8_t covering(const material_plan *p) {
+    const uint8_t k = p->of[FATHOM_MAP_OPACITY];
+    for (int kind = 0; kind < FATHOM_MAPS; ++kind)
+        if (kind != FATHOM_MAP_OPACITY && p->of[kind] == k) return NO_LOOKUP;
+    return k;
+}
+
 static bool any_colors(const world *w, unsigned channels) {
     for (size_t i = 0; i < w->meshes.count; ++i) {
         if (w->meshes.items[i].colors && w->meshes.items[i].color_channels >= channels) return true;
@@ -69,10 +77,12 @@ fathom_status texturing_create(fathom_context *context, const world *w, uint64_t
         t->plans[i].material = &scene->materials.items[i].value;
         for (int k = 0; k < FATHOM_MAPS; ++k) plan_map(&t->plans[i], k);
         texturing_plan_parameters(&t->plans[i]);
+        t->plans[i].covers = covering(&t->plans[i]);
         t->plans[i].directed = material_is_directed(t->plans[i].material);
         if (t->plans[i].directed) t->plans[i].sets |= 1;
         mapped_between(t->plans[i].material, &between);
         t->plans[i].coat_turns = shader_coat_has_normal(&between);
+        t->plans[i].pane = material_is_pane(&between);
     }
     fathom_status status = texturing_make_tangents(context, t);
     if (status == FATHOM_OK && !cache) status = texture_cache_open(context, scene, memory, &t->cache);
@@ -89,6 +99,8 @@ void texturing_destroy(texturing *t) {
     for (size_t i = 0; t->tangents && i < 2 * t->w->meshes.count; ++i)
         surface_tangents_free(t->tangents[i / 2][i % 2]);
     free(t->tangents);
+    for (size_t g = 0; t->passes && g < t->w->geometries.count; ++g) free(t->passes[g]);
+    free(t->passes);
     free(t);
 }
 
@@ -145,25 +157,31 @@ void texturing_place_lookup(const lookup *l, float u, float v, float width, text
     q->width[at] = l->exact ? 0 : finite_or_zero(width * l->scale);
 }
 
-/* Does the k-th lookups of all lanes. False: there are none. */
+/* Does the k-th lookups of all lanes. False: no material has that many. */
 static bool look_up(points *p, unsigned k) {
     texture_queries q = {.count = 0};
     float rgba[4][TEXTURE_BLOCK];
     unsigned from[LANES];
+    bool any = false;
     for (uint32_t left = p->lanes; left; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left);
         if (k >= p->plan[i]->count) continue;
+        any = true;
+        if (k == p->plan[i]->covers && texturing_is_opaque(p->t, p->g, i)) {
+            const bool inverted = p->plan[i]->material->maps[FATHOM_MAP_OPACITY].inverted;
+            for (int c = 0; c < 4; ++c) p->values[i][k][c] = inverted ? 0 : 1;
+            continue;
+        }
         const lookup *l = &p->plan[i]->lookups[k];
         const surface_uv *at = &p->uv[l->uv_set][i];
         from[q.count] = i;
         texturing_place_lookup(l, at->u, at->v, width_of_lookup(p, l, i), &q);
     }
-    if (!q.count) return false;
-    texture_lookup(p->t->cache, &q, rgba);
+    if (q.count) texture_lookup(p->t->cache, &q, rgba);
     for (unsigned j = 0; j < q.count; ++j) {
         for (int c = 0; c < 4; ++c) p->values[from[j]][k][c] = rgba[c][j];
     }
-    return true;
+    return any;
 }
 /* ---- blocks ---- */
 

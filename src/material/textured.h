@@ -44,6 +44,10 @@ void texturing_classic(const texturing *t, const surface_gather *g, surface_bloc
 
 /* The opacity at the hit in lane i of g, on this material; 1: opaque. */
 float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i, fathom_id material);
+/* Where light passes straight, for trace_know_passing(). Finds the triangles of meshes that are opaque, or
+ * absent, at all points, so that they need no lookups. Decodes the images of opacity. *out lives as long as
+ * t. */
+fathom_status texturing_find_passing(texturing *t, fathom_context *context, trace_passing *out);
 /* True if some point of the material may be transparent. */
 bool texturing_may_cover(const texturing *t, fathom_id material);
 

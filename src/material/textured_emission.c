@@ -19,19 +19,37 @@ bool texturing_may_cover(const texturing *t, fathom_id material) {
 
 float texturing_opacity(const texturing *t, const surface_gather *g, unsigned i, fathom_id material) {
     const material_plan *p = &t->plans[material];
-    fathom_material m = {.model = p->material->model, .opacity = p->material->opacity};
-    float color[4], rgba[4][TEXTURE_BLOCK];
-    m.opacity_cutoff = p->material->opacity_cutoff;
+    float value = 1, color[4] = {1, 1, 1, 1}, rgba[4][TEXTURE_BLOCK];
+    if (texturing_is_opaque(t, g, i)) return 1;
     if (p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP) {
         const fathom_map *map = &p->material->maps[FATHOM_MAP_OPACITY];
         surface_uv at;
         surface_uv_at(g, t->w, i, map->uv_set, &at);
-        const float *value = mapped_value(t, p, FATHOM_MAP_OPACITY, at.u, at.v, 0, rgba);
-        texturing_multiply(&m, FATHOM_MAP_OPACITY, &value[map->channel], map->inverted);
+        value = mapped_value(t, p, FATHOM_MAP_OPACITY, at.u, at.v, 0, rgba)[map->channel];
     }
-    if (t->alphas && surface_color_at(g, t->w, i, color))
-        texturing_multiply(&m, FATHOM_MAP_OPACITY, &color[3], false);
-    return material_opacity(&m);
+    if (t->alphas) surface_color_at(g, t->w, i, color);
+    return texturing_cover(p, value, color[3]);
+}
+
+trace_passes texturing_passes_at(const void *user, uint32_t geometry, uint32_t triangle, uint32_t instance,
+                                 float u, float v) {
+    const texturing *t = user;
+    const bool halves = t->w->geometries.items[geometry].kind == WORLD_QUADS;
+    const uint32_t primitive = halves ? triangle / 2 : triangle;
+    const fathom_id material = world_material(t->w, geometry, primitive, instance);
+    const material_plan *p = &t->plans[material];
+    const float weight[3] = {1 - u - v, u, v};
+    float value = 1, color[4] = {1, 1, 1, 1}, rgba[4][TEXTURE_BLOCK];
+    if (p->of[FATHOM_MAP_OPACITY] != NO_LOOKUP) {
+        const fathom_map *map = &p->material->maps[FATHOM_MAP_OPACITY];
+        float uv[2];
+        surface_uv_of(t->w, geometry, primitive, halves && triangle & 1, weight, map->uv_set, uv);
+        value = mapped_value(t, p, FATHOM_MAP_OPACITY, uv[0], uv[1], 0, rgba)[map->channel];
+    }
+    if (t->alphas) surface_color_of(t->w, geometry, primitive, weight, color);
+    const float opacity = texturing_cover(p, value, color[3]);
+    if (opacity <= 0) return TRACE_PASSES_ALL;
+    return opacity >= 1 && !p->pane ? TRACE_PASSES_NONE : TRACE_PASSES_SOME;
 }
 
 bool texturing_varies_emission(const texturing *t, fathom_id material) {

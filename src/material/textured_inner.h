@@ -35,8 +35,10 @@ typedef struct material_plan {
     lookup lookups[FATHOM_MAPS];
     mapped_parameter parameters[FATHOM_MAPS];
     uint8_t of[FATHOM_MAPS]; /* the index of the lookup for a kind of map, or NO_LOOKUP */
+    uint8_t covers;          /* the lookup that only sets the opacity, or NO_LOOKUP */
     unsigned sets;           /* bits: uv sets that are needed */
     bool directed;           /* it needs a tangent */
+    bool pane;               /* material_is_pane(), at some point */
     bool coat_turns;         /* some point has a clear coat with a normal of its own */
 } material_plan;
 
@@ -47,6 +49,7 @@ struct texturing {
     bool alphas; /* some mesh has vertex colours with alpha */
     /* By mesh of the world and uv set; NULL: the mesh has its own, or needs none. */
     surface_tangents *(*tangents)[2];
+    uint8_t **passes; /* by geometry, as of trace_passing.triangles; NULL: not known */
     material_plan plans[];
 };
 
@@ -82,6 +85,19 @@ void texturing_apply(const material_plan *p, const float (*values)[4], const flo
 /* For the classic integrator: converts opacity to k_t, so that light passes straight through the transparent
  * fraction. */
 void texturing_dissolve(fathom_material *m);
+
+/* ---- textured_opacity.c ---- */
+
+/* The opacity where the image of opacity, if any, and the vertex colour's alpha have these values. */
+float texturing_cover(const material_plan *p, float image, float alpha);
+/* See trace_passing.at; user: the texturing. */
+trace_passes texturing_passes_at(const void *user, uint32_t geometry, uint32_t triangle, uint32_t instance,
+                                 float u, float v);
+/* True if the whole triangle in lane i is known to be opaque. */
+static inline bool texturing_is_opaque(const texturing *t, const surface_gather *g, unsigned i) {
+    return t->passes && g->geometry[i] < t->w->geometries.count && t->passes[g->geometry[i]] &&
+           t->passes[g->geometry[i]][g->primitive[i]] == TRACE_PASSES_NONE;
+}
 
 /* ---- textured_normal.c: frames and normals ---- */
 

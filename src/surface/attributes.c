@@ -64,11 +64,12 @@ bool surface_color_of(const world *w, uint32_t geometry, uint32_t primitive, con
         memcpy(rgba, mesh_row(m->colors, m->color_stride, primitive), m->color_channels * sizeof *rgba);
         return true;
     }
-    for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] = 0;
-    for (size_t k = 0; k < 3; ++k) {
-        const float *at = mesh_row(m->colors, m->color_stride, m->indices[3 * (size_t)primitive + k]);
-        for (unsigned c = 0; c < m->color_channels; ++c) rgba[c] += weight[k] * at[c];
-    }
+    const float *at[3];
+    for (size_t k = 0; k < 3; ++k)
+        at[k] = mesh_row(m->colors, m->color_stride, m->indices[3 * (size_t)primitive + k]);
+    /* An alpha of 1 at all corners is 1 between them, too. */
+    for (unsigned c = 0; c < m->color_channels; ++c)
+        rgba[c] = at[0][c] + weight[1] * (at[1][c] - at[0][c]) + weight[2] * (at[2][c] - at[0][c]);
     return true;
 }
 

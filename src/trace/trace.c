@@ -157,6 +157,9 @@ void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, tra
 }
 
 bool trace_tells_opaque(const trace_tracer *tracer) { return tracer->tells_opaque; }
+
+void trace_know_passing(trace_tracer *tracer, const trace_passing *passing) { tracer->passing = *passing; }
+
 const char *trace_name(const trace_tracer *tracer) { return tracer->name; }
 size_t trace_piece(const trace_tracer *tracer) { return tracer->slow ? LANES : 4096; }
 void trace_identity(const trace_tracer *tracer, char out[128]) {

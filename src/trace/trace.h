@@ -123,9 +123,25 @@ void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_f
 /* Rays that hit anything that casts a shadow get t_far = -infinity, or TRACE_NOT_OPAQUE. */
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence);
 /* If trace_tells_opaque(), trace_any() sets this where it met no surface that stops all light, but others, or
- * does not know. -infinity: some surface stops all light. */
+ * does not know. -infinity: some surface stops all light. It also sets `flags` of the rays. */
 #define TRACE_NOT_OPAQUE (-1.0f)
+enum { TRACE_PASSED_SOME = 1, TRACE_PASSED_ALL = 2 }; /* light passed some surface in part, or as a whole */
 bool trace_tells_opaque(const trace_tracer *tracer);
+/* How much light passes straight through a point, or through a triangle: of some of its points all or a part,
+ * of each none, of each all. */
+typedef enum trace_passes { TRACE_PASSES_SOME, TRACE_PASSES_NONE, TRACE_PASSES_ALL } trace_passes;
+/* Where light passes. Geometries and instances are the world's; instance: or FATHOM_NONE. */
+typedef struct trace_passing {
+    /* trace_passes, by geometry and triangle of a mesh; NULL: all are TRACE_PASSES_SOME. */
+    const uint8_t *const *triangles;
+    /* At the point of a triangle, or of a half quad, with these barycentric coordinates. Thread-safe. */
+    trace_passes (*at)(const void *user, uint32_t geometry, uint32_t triangle, uint32_t instance, float u,
+                       float v);
+    const void *user;
+} trace_passing;
+/* trace_any() then stops at points that pass no light, and skips those that pass all. Call it before rays are
+ * traced, if at all. `triangles` and `user` have to outlive the rays. */
+void trace_know_passing(trace_tracer *tracer, const trace_passing *passing);
 
 /* "Embree 3.13.5, AVX-512", "reference": for the statistics. */
 const char *trace_name(const trace_tracer *tracer);

@@ -50,6 +50,7 @@ struct trace_tracer {
     double unit;                                    /* roundoff */
     bool slow;                                      /* a ray may take milliseconds */
     bool tells_opaque;                              /* any() sets TRACE_NOT_OPAQUE */
+    trace_passing passing;                          /* as told; {NULL}: nothing is known */
     char name[64];
     char way[32]; /* other choices that hits depend on; "": none */
 };

@@ -79,6 +79,19 @@ static float *ends_of(const trace_tracer *tracer, const ray_set *set, trace_cohe
     return ends;
 }
 
+/* stopped, met: by rays, what stops all light, and what lets some pass. */
+static void expect_ends(const trace_tracer *tracer, const ray_set *set, trace_coherence coherence,
+                        const unsigned char *stopped, const unsigned char *met) {
+    const float *ends = ends_of(tracer, set, coherence);
+    size_t count[3] = {0};
+    for (size_t i = 0; i < set->count; ++i) {
+        const float expected = stopped[i] ? -INFINITY : met[i] ? TRACE_NOT_OPAQUE : INFINITY;
+        if (ends[i] != expected) fail_msg("ray %zu: %g, expected %g", i, (double)ends[i], (double)expected);
+        ++count[stopped[i] ? 0 : met[i] ? 1 : 2];
+    }
+    assert_true(count[0] > 500 && count[1] > 500 && count[2] > 500);
+}
+
 static void expect_told(bool placed) {
     static things t;
     seed = 88172645463325252u;
@@ -87,27 +100,76 @@ static void expect_told(bool placed) {
     const ray_set set = random_rays(fewer(20003));
     const unsigned char *stopped = occluded(stage_embree(&opaque, 1), &set, TRACE_INCOHERENT),
                         *met = occluded(stage_embree(&whole, 1), &set, TRACE_INCOHERENT);
-    size_t count[3] = {0};
     for (unsigned width = 1; width <= 16; width *= width == 1 ? 4 : 2) {
         const trace_tracer *tracer = telling(&whole, width);
         assert_true(trace_tells_opaque(tracer));
-        for (int k = 0; k < 2; ++k) {
-            const float *ends = ends_of(tracer, &set, k ? TRACE_COHERENT : TRACE_INCOHERENT);
-            for (size_t i = 0; i < set.count; ++i) {
-                const float expected = stopped[i] ? -INFINITY : met[i] ? TRACE_NOT_OPAQUE : INFINITY;
-                if (ends[i] != expected)
-                    fail_msg("ray %zu: %g, expected %g", i, (double)ends[i], (double)expected);
-                ++count[stopped[i] ? 0 : met[i] ? 1 : 2];
-            }
-        }
+        for (int k = 0; k < 2; ++k)
+            expect_ends(tracer, &set, k ? TRACE_COHERENT : TRACE_INCOHERENT, stopped, met);
     }
-    assert_true(count[0] > 1000 && count[1] > 1000 && count[2] > 1000);
 }
 
 /* Embree traces packets over instances by other kernels. */
 UNIT_TEST(opaque_surfaces_are_told_from_others) {
     expect_told(false);
     expect_told(true);
+}
+
+/* ---- where light passes ---- */
+
+/* By i % 4: opaque, passes some, none, all; the latter two are known by triangle, or only by point. */
+enum { OPAQUE, SOME, NONE, EVERYTHING };
+static const uint8_t by_kind[4] = {TRACE_PASSES_SOME, TRACE_PASSES_SOME, TRACE_PASSES_NONE, TRACE_PASSES_ALL};
+
+/* By geometry, since each square is a mesh. */
+static trace_passes at(const void *user, uint32_t geometry, uint32_t triangle, uint32_t instance, float u,
+                       float v) {
+    const world *w = user;
+    const bool in_group = geometry >= w->groups.items[0].count;
+    const uint32_t square = world_object(w, geometry, 0);
+    const bool right =
+        triangle < 2 && in_group == (instance != FATHOM_NONE) && u >= 0 && v >= 0 && u + v <= 1.001f;
+    return right ? by_kind[square % 4] : TRACE_PASSES_SOME;
+}
+
+static stage kinds_of(const things *t, unsigned kinds, bool placed) {
+    const double as_it_is[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    stage s = stage_open();
+    const fathom_id clear = glassy(&s), group = placed ? new_group(s.scene, "things") : FATHOM_ROOT;
+    for (int i = 0; i < SQUARES; ++i)
+        if (kinds >> i % 4 & 1)
+            put(&s, i < SQUARES / 2 ? FATHOM_ROOT : group, t, i, i % 4 == OPAQUE ? 0 : clear);
+    fathom_instance instance = default_instance();
+    instance.group = group;
+    memcpy(instance.transform, as_it_is, sizeof as_it_is);
+    if (placed) assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    return s;
+}
+
+static void expect_known(bool placed, bool triangles) {
+    static things t;
+    static const uint8_t *known[SQUARES];
+    static uint8_t of[SQUARES][2];
+    seed = 88172645463325252u;
+    random_things(&t);
+    stage whole = kinds_of(&t, 15, placed), stops = kinds_of(&t, 1 << OPAQUE | 1 << NONE, placed),
+          some = kinds_of(&t, 1 << SOME, placed);
+    const ray_set set = random_rays(fewer(20003));
+    const unsigned char *stopped = occluded(stage_embree(&stops, 1), &set, TRACE_INCOHERENT),
+                        *met = occluded(stage_embree(&some, 1), &set, TRACE_INCOHERENT);
+    const world *w = stage_world(&whole);
+    for (uint32_t g = 0; g < SQUARES; ++g) {
+        of[g][0] = of[g][1] = by_kind[world_object(w, g, 0) % 4];
+        known[g] = g % 8 ? of[g] : NULL;
+    }
+    for (unsigned width = 1; width <= 16; width *= width == 1 ? 4 : 2) {
+        trace_tracer *tracer = telling(&whole, width);
+        trace_know_passing(tracer, &(trace_passing){triangles ? known : NULL, at, w});
+        expect_ends(tracer, &set, TRACE_INCOHERENT, stopped, met);
+    }
+}
+
+UNIT_TEST(surfaces_stop_rays_where_no_light_passes_and_are_skipped_where_all_does) {
+    for (int k = 0; k < 4; ++k) expect_known(k & 1, k & 2);
 }
 
 /* Hand-written intersectors do not tell; neither does a tracer that nobody asks. */

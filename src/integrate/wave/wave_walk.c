@@ -1,6 +1,6 @@
 /* Some shadow rays cannot be resolved by an any-hit query. They are walked from closest hit to closest hit,
- * until they reach their light or their gain is 0. If the tracer tells opaque surfaces from others, rays that
- * meet opaque ones are resolved: in rooms with cut-out leaves that is most of those that meet anything.
+ * until they reach their light or their gain is 0. If the tracer tells opaque surfaces from others, only rays
+ * are walked that meet no opaque point, but points where a part of the light passes.
  *
  * Partly transparent surfaces (`opacity` below 1) and clear thin walls multiply the gain by the fraction of
  * light that passes straight through: the expected value of what paths do by chance.

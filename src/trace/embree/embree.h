@@ -20,6 +20,12 @@
 
 typedef struct embree_kernels embree_kernels;
 
+/* A geometry, for the filter of any-hit queries. */
+typedef struct embree_passing {
+    const struct embree_tracer *tracer; /* NULL: light does not pass it straight */
+    uint32_t geometry;
+} embree_passing;
+
 typedef struct embree_tracer {
     trace_tracer base;
     const embree_kernels *kernels;
@@ -29,7 +35,7 @@ typedef struct embree_tracer {
     few_spheres *few; /* the root's spheres, kept out of the scene; NULL: they are in it */
     const few_kernels *few_kernels;
     sphere_clusters *clusters; /* by the world's geometries: of the spheres that are in scenes; NULL: none */
-    uint8_t *passing;          /* by geometry: any-hit queries note its hits; NULL: of none */
+    embree_passing *passing;   /* by geometry; NULL: light passes none straight */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that Embree may get */

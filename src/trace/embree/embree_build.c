@@ -57,11 +57,34 @@ static bool is_few(const embree_tracer *tracer, const world_group *group, const 
     return tracer->few && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
 
-/* The filter of any-hit queries on surfaces that light may pass straight: notes the hits, and passes. */
+static trace_passes passes_at(const embree_passing *p, const struct RTCFilterFunctionNArguments *args,
+                              unsigned i) {
+    const trace_passing *known = &p->tracer->base.passing;
+    const world *w = p->tracer->base.world;
+    const void *rows = args->hit;
+    const float *hit = rows;
+    const uint32_t *ids = rows, n = args->N, triangle = ids[EMBREE_ROW_PRIMITIVE * n + i];
+    const uint8_t *triangles = known->triangles ? known->triangles[p->geometry] : NULL;
+    uint32_t instance = ids[EMBREE_ROW_INSTANCE * n + i];
+    if (instance != RTC_INVALID_GEOMETRY_ID) instance -= w->groups.items[0].count;
+    if (triangles && triangles[triangle] != TRACE_PASSES_SOME) return triangles[triangle];
+    if (!known->at) return TRACE_PASSES_SOME;
+    return known->at(known->user, p->geometry, triangle, instance, hit[EMBREE_ROW_U * n + i],
+                     hit[EMBREE_ROW_V * n + i]);
+}
+
+/* The filter of any-hit queries on surfaces that light may pass straight: notes hits where a part passes, and
+ * goes on; stops where none does. */
 static void note_hits(const struct RTCFilterFunctionNArguments *args) {
     uint32_t *flags = (uint32_t *)(void *)args->ray + EMBREE_ROW_FLAGS * args->N;
-    for (unsigned i = 0; i < args->N; ++i)
-        if (args->valid[i]) flags[i] = 1, args->valid[i] = 0;
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (!args->valid[i]) continue;
+        const trace_passes passed = passes_at(args->geometryUserPtr, args, i);
+        if (passed != TRACE_PASSES_NONE) args->valid[i] = 0;
+        flags[i] |= passed == TRACE_PASSES_SOME  ? TRACE_PASSED_SOME
+                    : passed == TRACE_PASSES_ALL ? TRACE_PASSED_ALL
+                                                 : 0;
+    }
 }
 
 /* Embree's own shapes are told apart, and no others. */
@@ -79,11 +102,12 @@ static bool prepare_to_tell(embree_tracer *tracer) {
     uint8_t *passing = world_passing(w);
     if (!passing) return false;
     tracer->base.tells_opaque = can_tell(w, &tracer->spec, passing);
-    if (tracer->base.tells_opaque && memchr(passing, 1, w->geometries.count))
-        tracer->passing = passing;
-    else
-        free(passing);
-    return true;
+    const bool some = tracer->base.tells_opaque && memchr(passing, 1, w->geometries.count);
+    if (some) tracer->passing = calloc(w->geometries.count, sizeof *tracer->passing);
+    for (uint32_t g = 0; tracer->passing && g < w->geometries.count; ++g)
+        tracer->passing[g] = (embree_passing){passing[g] ? tracer : NULL, g};
+    free(passing);
+    return tracer->passing || !some;
 }
 
 static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
@@ -94,8 +118,10 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
                                ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer, group->first + i);
-        if (made && tracer->passing && tracer->passing[group->first + i])
+        if (made && tracer->passing && tracer->passing[group->first + i].tracer) {
+            rtcSetGeometryUserData(made, &tracer->passing[group->first + i]);
             rtcSetGeometryOccludedFilterFunction(made, note_hits);
+        }
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }
 }

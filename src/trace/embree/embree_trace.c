@@ -116,14 +116,14 @@ static bool any_block(const embree_tracer *tracer, trace_rays *rays, unsigned la
     embree_context context;
     embree_context_init(&context);
     const embree_way way = embree_way_any(tracer, rays, lanes, coherence);
-    if (tracer->passing) memset(rays->flags, 0, sizeof rays->flags);
+    if (tracer->base.tells_opaque) memset(rays->flags, 0, sizeof rays->flags);
     if (way.width == LANES)
         embree_occluded(LANES, asked.valid, tracer->scenes[0], &context, way.coherent, rays);
     else
         any_packets(tracer, rays, asked.valid, lanes, &way, &context);
     tracer->kernels->end_any(rays, lanes, &asked);
     for (unsigned i = 0; tracer->passing && i < lanes; ++i)
-        if (rays->flags[i] && rays->t_far[i] > 0) rays->t_far[i] = TRACE_NOT_OPAQUE;
+        if (rays->flags[i] & TRACE_PASSED_SOME && rays->t_far[i] > 0) rays->t_far[i] = TRACE_NOT_OPAQUE;
     if (tracer->few) embree_spheres_any(tracer, rays, lanes, &asked);
     return true;
 }
@@ -134,6 +134,7 @@ static __attribute__((noinline)) void any_stretched(const embree_tracer *tracer,
     stretch s;
     stretch_rays(&scaled, lanes, tracer->reach.direction, &s);
     any_block(tracer, &scaled, lanes, true, coherence);
+    memcpy(rays->flags, scaled.flags, sizeof rays->flags);
     for (unsigned i = 0; i < lanes; ++i)
         if (scaled.t_far[i] < 0 && rays->t_far[i] > 0) rays->t_far[i] = scaled.t_far[i];
 }

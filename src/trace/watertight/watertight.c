@@ -212,6 +212,10 @@ unsigned watertight_any(const watertight *w, trace_rays *rays, const uint8_t dep
         if (end_depth[i] == WATERTIGHT_UNSURE) continue;
         bool apart = counts_of(depth[i]).casting != counts_of(end_depth[i]).casting;
         if (!apart || rays->t_far[i] < 0) continue;
+        if (w->tracer->tells_opaque && rays->flags[i]) { /* it may have left a body through a hole */
+            rays->t_far[i] = TRACE_NOT_OPAQUE;
+            continue;
+        }
         unsigned k = 0;
         while (k < ROUNDS && !w->tracer->retry->any(w->tracer->self, rays, i, k)) ++k;
         if (k == ROUNDS) continue;
