@@ -26,6 +26,12 @@ typedef struct sorting {
     uint8_t *passes;        /* of its triangles */
 } sorting;
 
+/* The material that all instances of a group have which have one of their own. */
+typedef struct other_material {
+    fathom_id material; /* FATHOM_NONE: none has */
+    bool several;       /* they differ */
+} other_material;
+
 static const fathom_map *cover_of(const texturing *t, size_t material) {
     const fathom_map *map = &t->plans[material].material->maps[FATHOM_MAP_OPACITY];
     return map->texture != FATHOM_NONE ? map : NULL;
@@ -146,19 +152,16 @@ static void sort_triangles(void *user, size_t begin, size_t end) {
 
 /* ---- meshes ---- */
 
-/* Sets the mesh's own material, and that of instances of its group; false if there are others. */
-static bool find_materials(const texturing *t, uint32_t geometry, fathom_id out[2]) {
-    const world *w = t->w;
-    out[0] = world_material(w, geometry, 0, FATHOM_NONE), out[1] = FATHOM_NONE;
+/* Finds the materials that instances give to their groups. */
+static void find_others(const world *w, other_material *others) {
+    for (size_t g = 0; g < w->groups.count; ++g) others[g] = (other_material){FATHOM_NONE, false};
     for (size_t k = 0; k < w->instances.count; ++k) {
-        const world_instance *instance = &w->instances.items[k];
-        const world_group *group = &w->groups.items[instance->group];
-        const fathom_id material = instance->material;
-        if (material == FATHOM_NONE || geometry - group->first >= group->count) continue;
-        if (out[1] != FATHOM_NONE && out[1] != material) return false;
-        out[1] = material;
+        const fathom_id material = w->instances.items[k].material;
+        other_material *other = &others[w->instances.items[k].group];
+        if (material == FATHOM_NONE) continue;
+        other->several |= other->material != FATHOM_NONE && other->material != material;
+        other->material = material;
     }
-    return true;
 }
 
 /* False: not all triangles may pass some light. */
@@ -179,15 +182,28 @@ static fathom_status sort_mesh(sorting *s, fathom_context *context, uint8_t **ou
     return FATHOM_OK;
 }
 
-static fathom_status sort_meshes(sorting *s, fathom_context *context, const uint8_t *passing, uint8_t **out) {
+static fathom_status sort_group(sorting *s, fathom_context *context, const world_group *group,
+                                const other_material *other, const uint8_t *passing) {
     const world *w = s->t->w;
     fathom_status status = FATHOM_OK;
-    for (uint32_t g = 0; g < w->geometries.count && status == FATHOM_OK; ++g) {
+    for (uint32_t g = group->first; g < group->first + group->count && status == FATHOM_OK; ++g) {
         if (!passing[g] || w->geometries.items[g].kind != WORLD_MESH || !w->geometries.items[g].count)
             continue;
         s->geometry = g;
-        if (find_materials(s->t, g, s->materials)) status = sort_mesh(s, context, &out[g]);
+        s->materials[0] = world_material(w, g, 0, FATHOM_NONE), s->materials[1] = other->material;
+        if (!other->several) status = sort_mesh(s, context, &s->t->passes[g]);
     }
+    return status;
+}
+
+static fathom_status sort_groups(sorting *s, fathom_context *context, const uint8_t *passing) {
+    const world *w = s->t->w;
+    other_material *others = malloc((w->groups.count + 1) * sizeof *others);
+    fathom_status status = others ? FATHOM_OK : fail_memory(context, w->groups.count * sizeof *others);
+    if (others) find_others(w, others);
+    for (size_t k = 0; k < w->groups.count && status == FATHOM_OK; ++k)
+        status = sort_group(s, context, &w->groups.items[k], &others[k], passing);
+    free(others);
     return status;
 }
 
@@ -199,7 +215,7 @@ fathom_status texturing_find_passing(texturing *t, fathom_context *context, trac
     fathom_status status = s.ranges && passing && t->passes
                                ? find_ranges(&s, context)
                                : fail_memory(context, (materials + geometries) * sizeof(void *));
-    if (status == FATHOM_OK) status = sort_meshes(&s, context, passing, t->passes);
+    if (status == FATHOM_OK) status = sort_groups(&s, context, passing);
     free_ranges(&s);
     free(passing);
     *out = (trace_passing){(const uint8_t *const *)t->passes, texturing_passes_at, t};
