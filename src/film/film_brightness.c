@@ -1,6 +1,7 @@
 /* Measures the brightness of a film, and chooses an exposure for it. */
 #include "base/sized.h"
 #include "film/film.h"
+#include "math/rgb.h"
 
 #include <string.h>
 
@@ -31,8 +32,6 @@ static bool shows_background(const fathom_film *film, size_t pixel) {
            film->rgb[2][pixel] == film->background[2];
 }
 
-static bool is_black(const float rgb[3]) { return !(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0); }
-
 /* The pixel's largest channel, divided by alpha. */
 static float brightness_at(const fathom_film *film, size_t pixel) {
     const float largest = fmaxf(film->rgb[0][pixel], fmaxf(film->rgb[1][pixel], film->rgb[2][pixel]));
@@ -62,7 +61,7 @@ static void look(const fathom_film *film, float exposure, fathom_brightness *out
         if (value > 0) ++counts[bin_of(value)];
     }
     /* Black surfaces look as a black background does. If nothing else is seen, they count. */
-    if (!out->pixels && !film->alpha && is_black(film->background))
+    if (!out->pixels && !film->alpha && !rgb_any(film->background))
         out->pixels = out->black = (uint64_t)film->width * film->height;
     out->in_studio = film->in_studio;
     if (out->black < out->pixels) out->exposure = exposure_for(counts, out->pixels - out->black);

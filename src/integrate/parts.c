@@ -1,6 +1,7 @@
 #include "integrate/parts.h"
 
 #include "material/material.h"
+#include "math/rgb.h"
 #include "scene/mesh/absent.h"
 #include "scene/scene.h"
 
@@ -35,7 +36,7 @@ static bool path_takes_light(const fathom_material *m) {
     const float *left = m->attenuation_color, *sheen = m->sheen_color;
     const bool absorbs =
         m->thickness > 0 && m->attenuation_distance > 0 && (left[0] < 1 || left[1] < 1 || left[2] < 1);
-    return absorbs || m->clearcoat > 0 || sheen[0] > 0 || sheen[1] > 0 || sheen[2] > 0;
+    return absorbs || m->clearcoat > 0 || rgb_any(sheen);
 }
 
 /* True if the material transmits all light, in any direction. Fresnel's equations take a fraction of it at
@@ -70,14 +71,9 @@ bool parts_smooth(const world *w) {
     return false;
 }
 
-bool parts_light(const fathom_light *light) {
-    const float *rgb = light->intensity;
-    return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0;
-}
+bool parts_light(const fathom_light *light) { return rgb_any(light->intensity); }
 
-bool parts_ambient(const fathom_scene *scene) {
-    return scene->ambient[0] > 0 || scene->ambient[1] > 0 || scene->ambient[2] > 0;
-}
+bool parts_ambient(const fathom_scene *scene) { return rgb_any(scene->ambient); }
 
 bool parts_background(const fathom_scene *scene) {
     const float *rgb = scene->background;

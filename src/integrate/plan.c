@@ -3,6 +3,7 @@
 #include "integrate/integrator.h"
 #include "integrate/reference/reference.h"
 #include "light/light.h"
+#include "math/rgb.h"
 #include "scene/motion/motion.h"
 #include "scene/scene.h"
 
@@ -81,7 +82,7 @@ static fathom_status plan_shaders(fathom_context *context, render_plan *plan) {
         plan->panes |= s->clear || (plan->texturing && material_is_pane(&m)); /* images may make it smooth */
         plan->covered |= s->hole > 0 || holes || plan->nested || plan->panes;
         plan->one_sided |= s->one_sided;
-        plan->absorbs |= s->absorption[0] > 0 || s->absorption[1] > 0 || s->absorption[2] > 0;
+        plan->absorbs |= rgb_any(s->absorption);
     }
     return FATHOM_OK;
 }

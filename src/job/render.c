@@ -11,6 +11,7 @@
 #include "job/part/part.h"
 #include "job/ranks/ranks.h"
 #include "light/environment.h"
+#include "math/rgb.h"
 #include "scene/scene.h"
 
 #include <string.h>
@@ -177,7 +178,7 @@ static fathom_status find_brightest(fathom_context *context, const render_plan *
     for (size_t i = 0; i < scene->materials.count && status == FATHOM_OK; ++i) {
         const fathom_material *m = &scene->materials.items[i].value;
         for (int c = 0; c < 3; ++c) rgb[c] = fmaxf(m->k_e[c], m->emissive[c] * m->emissive_strength);
-        if (!(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0)) continue;
+        if (!rgb_any(rgb)) continue;
         if (plan->texturing) status = texturing_brighten(plan->texturing, context, (fathom_id)i, rgb);
         keep_brightest(film, rgb);
     }

@@ -5,6 +5,7 @@
 #include "job/lacks.h"
 #include "light/environment.h"
 #include "material/material.h"
+#include "math/rgb.h"
 #include "scene/graph.h"
 #include "scene/mesh/closed.h"
 #include "scene/scene.h"
@@ -193,13 +194,12 @@ static void add_material(const fathom_scene *scene, fathom_id id, material_uses 
     const bool layered = full->model == FATHOM_MODEL_METALLIC_ROUGHNESS &&
                          scene->settings.integrator != FATHOM_INTEGRATOR_CLASSIC;
     uses->bits |= material_features(m);
-    const bool specular = m->k_s[0] > 0 || m->k_s[1] > 0 || m->k_s[2] > 0;
+    const bool specular = rgb_any(m->k_s);
     uses->phong |= specular && m->specular == FATHOM_SPECULAR_PHONG;
     uses->blinn |= specular && m->specular == FATHOM_SPECULAR_BLINN && !layered;
     uses->ggx |= layered;
     uses->clearcoat |= layered && full->clearcoat > 0;
-    uses->sheen |=
-        layered && (full->sheen_color[0] > 0 || full->sheen_color[1] > 0 || full->sheen_color[2] > 0);
+    uses->sheen |= layered && rgb_any(full->sheen_color);
     uses->anisotropy |= layered && material_is_directed(full);
     uses->iridescence |= layered && full->iridescence > 0;
     uses->dispersion |= layered && full->dispersion > 0 && full->thickness > 0 && full->transmission > 0;

@@ -1,5 +1,6 @@
 /* The light groups of emitters. */
 #include "light/emitters_inner.h"
+#include "math/rgb.h"
 
 #include <string.h>
 
@@ -11,13 +12,11 @@ uint8_t emitters_group_of(const emitters *e, uint32_t emitter) {
                           world_material(e->w, run->geometry, primitive, run->instance));
 }
 
-static bool is_lit(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
-
 void emitters_note_groups(emitters *e, const light_groups *groups) {
     e->groups = groups;
     if (!groups) return;
     e->background_group = groups->of[FATHOM_SOURCE_BACKGROUND][0];
-    bool known = is_lit(e->background);
+    bool known = rgb_any(e->background);
     e->outside_group = e->background_group;
     for (uint32_t i = 0; i < e->sky_count; ++i) {
         const uint8_t group = i < e->w->scene->environments.count ? groups->of[FATHOM_SOURCE_ENVIRONMENT][i]

@@ -2,13 +2,12 @@
 
 #include "base/kernel.h"
 #include "math/limit.h"
-
-static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
+#include "math/rgb.h"
 
 unsigned material_features(const fathom_material *m) {
-    bool specular = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
-    return (any(m->k_d) || specular ? MATERIAL_LIT : 0u) | (any(m->k_r) ? MATERIAL_MIRROR : 0u) |
-           (any(m->k_t) ? MATERIAL_REFRACT : 0u) | (any(m->k_e) ? MATERIAL_EMIT : 0u);
+    bool specular = m->specular != FATHOM_SPECULAR_NONE && rgb_any(m->k_s);
+    return (rgb_any(m->k_d) || specular ? MATERIAL_LIT : 0u) | (rgb_any(m->k_r) ? MATERIAL_MIRROR : 0u) |
+           (rgb_any(m->k_t) ? MATERIAL_REFRACT : 0u) | (rgb_any(m->k_e) ? MATERIAL_EMIT : 0u);
 }
 
 bool material_absorbs(const fathom_material *m) {
@@ -20,7 +19,7 @@ bool material_absorbs(const fathom_material *m) {
 
 /* A negative k_a means k_d. */
 void bsdf_prepare(const fathom_material *m, const float ambient[3], bsdf *out) {
-    const bool shiny = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
+    const bool shiny = m->specular != FATHOM_SPECULAR_NONE && rgb_any(m->k_s);
     const float *k_a = m->k_a[0] < 0 ? m->k_d : m->k_a;
     *out = (bsdf){.shininess = m->shininess,
                   .ior = m->ior,

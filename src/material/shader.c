@@ -5,11 +5,10 @@
 
 #include "base/kernel.h"
 #include "math/limit.h"
+#include "math/rgb.h"
 
 #include <math.h>
 #include <string.h>
-
-static bool any(const float rgb[3]) { return rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0; }
 
 static float largest(const float rgb[3]) { return most(rgb[0], most(rgb[1], rgb[2])); }
 
@@ -18,7 +17,7 @@ static float largest(const float rgb[3]) { return most(rgb[0], most(rgb[1], rgb[
 /* The classic model's L k_d |n·l| is the radiance under the irradiance pi L |n·l|: so f = rho / pi, for the
  * diffuse and the specular term. Ambient light and k_a belong to the classic integrator only. */
 static void prepare_classic(const fathom_material *m, shader *out) {
-    const bool shiny = m->specular != FATHOM_SPECULAR_NONE && any(m->k_s);
+    const bool shiny = m->specular != FATHOM_SPECULAR_NONE && rgb_any(m->k_s);
     const bool phong = m->specular == FATHOM_SPECULAR_PHONG;
     const float spread = phong ? 2 / (m->shininess + 2) : 8 / (m->shininess + 8);
     for (int c = 0; c < 3; ++c) {
@@ -32,11 +31,11 @@ static void prepare_classic(const fathom_material *m, shader *out) {
     out->blinn = shiny && !phong ? ~0u : 0;
     out->fresnel = m->fresnel ? ~0u : 0;
     out->from_behind = m->lit_from_behind ? ~0u : 0;
-    out->encloses = any(m->k_t);
-    out->clear = any(m->k_t) && m->ior == 1;
+    out->encloses = rgb_any(m->k_t);
+    out->clear = rgb_any(m->k_t) && m->ior == 1;
     out->transmits = m->lit_from_behind || out->encloses;
-    out->lobes = (any(m->k_d) ? SHADER_DIFFUSE : 0u) | (shiny ? SHADER_HIGHLIGHT : 0u) |
-                 (any(m->k_r) || any(m->k_t) ? SHADER_CLASSIC : 0u) |
+    out->lobes = (rgb_any(m->k_d) ? SHADER_DIFFUSE : 0u) | (shiny ? SHADER_HIGHLIGHT : 0u) |
+                 (rgb_any(m->k_r) || rgb_any(m->k_t) ? SHADER_CLASSIC : 0u) |
                  (m->lit_from_behind ? SHADER_BEHIND : 0u);
 }
 
@@ -186,7 +185,7 @@ static void prepare_even(const fathom_material *m, const mixture *x, const film_
 static uint32_t crossing_lobe(const fathom_material *m, float alpha, shader *out) {
     const float bend = fabsf(m->ior - 1), least_bend = alpha < SHADER_SMOOTH_ALPHA ? 0 : SHADER_SMOOTH_ALPHA;
     const bool solid = m->thickness > 0 && m->ior > 0 && bend > least_bend;
-    if (!any(out->cross)) return 0;
+    if (!rgb_any(out->cross)) return 0;
     out->transmits = true;
     out->encloses = m->thickness > 0;
     out->clear = !solid && !out->encloses && alpha < SHADER_SMOOTH_ALPHA;
@@ -249,7 +248,7 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     film_means means = {{0}, {0}, {0}};
     const float alpha = m->roughness * m->roughness, base = 1 - x.metal, film = m->iridescence;
     const float along = mixed(alpha, 1, m->anisotropy * m->anisotropy);
-    const bool shiny = x.f90 > 0 || any(x.f0) || film > 0, smooth = along < SHADER_SMOOTH_ALPHA;
+    const bool shiny = x.f90 > 0 || rgb_any(x.f0) || film > 0, smooth = along < SHADER_SMOOTH_ALPHA;
     out->layer0 = largest(x.layer);
     out->layer90 = m->specular_factor;
     for (int c = 0; c < 3; ++c) {
@@ -265,20 +264,20 @@ static void prepare_metallic(const fathom_material *m, shader *out) {
     out->alpha = most(alpha, SHADER_SMOOTH_ALPHA);
     out->along = along;
     out->ior = m->ior, out->priority = m->priority;
-    out->lobes = (any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |
+    out->lobes = (rgb_any(out->diffuse) ? SHADER_DIFFUSE : 0u) | (out->layer90 > 0 ? SHADER_LAYER : 0u) |
                  (shiny && !smooth ? SHADER_GGX : 0u) | (shiny && smooth ? SHADER_MIRROR : 0u);
     if (film > 0) prepare_film(m, x.layer, out, &means);
     out->lobes |= crossing_lobe(m, along, out);
     if (along > out->alpha && out->lobes & (SHADER_GGX | SHADER_THIN | SHADER_REFRACT))
         out->lobes |= SHADER_STRETCHED;
     if (out->lobes & SHADER_SOLID) prepare_solid(m, &x, out);
-    if (any(out->leaf)) {
+    if (rgb_any(out->leaf)) {
         out->lobes |= SHADER_LEAF;
         out->transmits = true;
         out->encloses |= m->thickness > 0;
     }
     prepare_absorption(m, out);
-    if (any(m->sheen_color)) prepare_sheen(m, out);
+    if (rgb_any(m->sheen_color)) prepare_sheen(m, out);
     prepare_coat(m, out);
     /* Lambert's lobe alone has no facets, and faster kernels. */
     if (m->multiscatter && out->lobes != SHADER_DIFFUSE) prepare_even(m, &x, &means, alpha, out);

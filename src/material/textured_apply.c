@@ -1,6 +1,7 @@
 /* Parameters of materials at a point. */
 #include "material/textured_inner.h"
 #include "math/limit.h"
+#include "math/rgb.h"
 
 #define NONE ((size_t)-1)
 
@@ -76,7 +77,7 @@ void texturing_dissolve(fathom_material *m) {
     const float left = m->opacity;
     float *const colours[] = {m->k_a, m->k_d, m->k_s, m->k_r, m->k_e};
     if (left >= 1) return;
-    if (!(m->k_t[0] > 0 || m->k_t[1] > 0 || m->k_t[2] > 0)) m->ior = 1, m->fresnel = false;
+    if (!rgb_any(m->k_t)) m->ior = 1, m->fresnel = false;
     for (int c = 0; c < 3; ++c) {
         for (size_t i = 0; i < sizeof colours / sizeof *colours; ++i) colours[i][c] *= left;
         m->k_t[c] = m->k_t[c] * left + (1 - left);

@@ -1,4 +1,5 @@
 /* Questions about single materials: scene.h. */
+#include "math/rgb.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -55,13 +56,11 @@ bool material_is_clear(const scene_named_material *material, fathom_integrator i
     return through > 1.5f;
 }
 
-static bool is_black(const float rgb[3]) { return !(rgb[0] > 0 || rgb[1] > 0 || rgb[2] > 0); }
-
 bool material_only_emits(const fathom_material *m) {
     if (m->model == FATHOM_MODEL_CLASSIC)
-        return is_black(m->k_d) && is_black(m->k_s) && is_black(m->k_r) && is_black(m->k_t);
-    return is_black(m->base_color) && m->metallic == 0 && m->specular_factor == 0 && m->transmission == 0 &&
-           m->diffuse_transmission == 0 && m->clearcoat == 0 && is_black(m->sheen_color) &&
+        return !rgb_any(m->k_d) && !rgb_any(m->k_s) && !rgb_any(m->k_r) && !rgb_any(m->k_t);
+    return !rgb_any(m->base_color) && m->metallic == 0 && m->specular_factor == 0 && m->transmission == 0 &&
+           m->diffuse_transmission == 0 && m->clearcoat == 0 && !rgb_any(m->sheen_color) &&
            m->iridescence == 0;
 }
 

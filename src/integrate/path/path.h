@@ -4,6 +4,7 @@
 #include "integrate/media.h"
 #include "integrate/wave/wave.h"
 #include "math/lane.h"
+#include "math/rgb.h"
 
 typedef struct path_scout path_scout;
 
@@ -52,9 +53,7 @@ static inline bool path_in_view(const path_wave *p, uint32_t slot) {
     return !path_scattered(p, slot) && !p->paned[slot];
 }
 
-static inline bool path_sends_light(const shader *s) {
-    return s->emission[0] > 0 || s->emission[1] > 0 || s->emission[2] > 0;
-}
+static inline bool path_sends_light(const shader *s) { return rgb_any(s->emission); }
 
 /* ---- path_scout.c ---- */
 

@@ -1,5 +1,6 @@
 /* Reads MTL: fills in the values of statements. mtl_material.c converts the values to materials. */
 #include "read/obj/mtl.h"
+#include "math/rgb.h"
 #include "read/mesh/number.h"
 
 #include <ctype.h>
@@ -30,7 +31,7 @@ static void note_word(mtl_reader *r, const char *at, const char *text) {
 static void note_unused(mtl_reader *r, const fathom_material *value) {
     const mtl_entry *m = &r->entry;
     const int illum = mtl_illum(m);
-    const bool mirrors = value->k_r[0] > 0 || value->k_r[1] > 0 || value->k_r[2] > 0;
+    const bool mirrors = rgb_any(value->k_r);
     if (mtl_is_metallic(m)) {
         if (mtl_given(m, MTL_TF) && !mtl_is_black(m->tf))
             note_at(r, m->at[MTL_TF], "Tf next to Pr, Pm, Pc, Ps or aniso is read as transmission");

@@ -1,6 +1,7 @@
 #include "scene/camera/camera.h"
 
 #include "base/sized.h"
+#include "math/rgb.h"
 #include "scene/motion/motion.h"
 
 static const double default_fovy = 0.78539816339744831; /* 45 degrees */
@@ -208,7 +209,7 @@ static fathom_status light_everything(fathom_scene *scene) {
 
 static bool background_shines(const fathom_scene *scene) {
     const float *behind = scene->background;
-    return scene->has_background && (behind[0] > 0 || behind[1] > 0 || behind[2] > 0);
+    return scene->has_background && rgb_any(behind);
 }
 
 bool scene_replaces_lights(const fathom_scene *scene) {

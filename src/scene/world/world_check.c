@@ -1,4 +1,5 @@
 /* Facts about primitives that tracers need, and checks of the whole world. */
+#include "math/rgb.h"
 #include "scene/world/world_build.h"
 
 static float larger(float a, float b) { return a > b ? a : b; }
@@ -88,8 +89,7 @@ static vec3_f64 carried(const light_search *s, const affine_f64 *to_object, cons
 
 /* Light samples pass it: clear thin walls, holes, and glass that does not refract. */
 static bool lets_out(const fathom_material *m) {
-    if (m->model == FATHOM_MODEL_CLASSIC)
-        return m->ior == 1 && (m->k_t[0] > 0 || m->k_t[1] > 0 || m->k_t[2] > 0);
+    if (m->model == FATHOM_MODEL_CLASSIC) return m->ior == 1 && rgb_any(m->k_t);
     return m->opacity < 1 || (m->transmission > 0 && !(m->thickness > 0) && !(m->roughness > 0));
 }
 
