@@ -68,16 +68,19 @@ UNIT_TEST(fits_has_three_channels) {
     check_codes("a.fits", (const unsigned[][4]){{10, 30, 50, 255}, {20, 40, 60, 255}}, 2, 255);
 }
 
-/* A reader that allocated the whole image first would run out of memory. */
+/* A reader that allocated the whole image first would run out of memory. OpenImageIO 3 has limits of its own,
+ * and words; either names the size. */
 UNIT_TEST(images_larger_than_the_limits_are_refused) {
-    static const char *const sizes[] = {"65537 1", "1 65537", "4000000 4000000"};
+    static const char *const sizes[][2] = {
+        {"65537 1", "65537"}, {"1 65537", "65537"}, {"4000000 4000000", "4000000"}};
     for (int i = 0; i < 3; ++i) {
         char header[64];
-        const int length = snprintf(header, sizeof header, "P6\n%s\n255\n", sizes[i]);
+        const int length = snprintf(header, sizeof header, "P6\n%s\n255\n", sizes[i][0]);
         put_file("a.ppm", header, (size_t)length, "abc", 3);
         const fathom_texture t = texture_of("a.ppm", FATHOM_COLOR_AUTO);
         assert_fails(context, fathom_texture_write(context, &t, in_folder("b.tx")), FATHOM_BAD_INPUT,
-                     "expected at most 65536 texels on a side and 4294967296 in all, found ");
+                     "a.ppm: cannot be read as a texture: ");
+        assert_non_null(strstr(fathom_context_message(context), sizes[i][1]));
     }
 }
 
