@@ -3,7 +3,7 @@
 
 #include "texture/texture.h"
 
-/* Of one channel, at level 0. */
+/* Ranges of one channel, at level 0. */
 typedef struct texture_ranges texture_ranges;
 
 /* Decodes the image. *out is NULL for a mip-mapped file, whose tiles are read only when lookups need them.

@@ -221,7 +221,7 @@ UNIT_TEST(triangles_agree_with_all_their_points) {
 
 /* ---- points ---- */
 
-/* What the discs let pass at a point; TRACE_PASSES_SOME: an edge is near. */
+/* The discs let this pass at a point; TRACE_PASSES_SOME: an edge is near. */
 static trace_passes said_at(double u, double v) {
     const double x = fmod(u * ACROSS + 1000, 100) - 50.5, y = fmod(v * DOWN + 760, 76) - 38.5;
     const double r = sqrt(x * x + y * y);
