@@ -55,10 +55,12 @@ static void set_hit(trace_block *block, unsigned lane, const world_plane *plane,
 
 /* Closest hits of `block`, or any hits of `rays` if block is NULL. On equal t the earlier hit stays: geometry
  * wins over planes, and a plane wins over later ones. */
-static void trace_planes(const world *w, trace_rays *rays, trace_block *block, unsigned lanes) {
+static void trace_planes(const trace_tracer *tracer, trace_rays *rays, trace_block *block, unsigned lanes) {
+    const world *w = tracer->world;
     for (size_t p = 0; p < w->planes.count; ++p) {
         const world_plane *plane = &w->planes.items[p];
         if (!block && plane->flags & FATHOM_CASTS_NO_SHADOW) continue;
+        const float end = tracer->tells_opaque && plane->passes ? TRACE_NOT_OPAQUE : -INFINITY;
         float t[LANES];
         planes_distances(plane, rays, lanes, t);
         for (unsigned i = 0; i < lanes; ++i) {
@@ -66,7 +68,7 @@ static void trace_planes(const world *w, trace_rays *rays, trace_block *block, u
             if (block)
                 set_hit(block, i, plane, (uint32_t)p, t[i]);
             else
-                rays->t_far[i] = -INFINITY;
+                rays->t_far[i] = end;
         }
     }
 }
@@ -75,7 +77,7 @@ static void closest(const trace_tracer *tracer, trace_block *blocks, trace_fine 
                     trace_coherence coherence) {
     tracer->ops->closest(tracer, blocks, fine, count, coherence);
     for (size_t b = 0; !tracer->ops->planes && b * LANES < count; ++b)
-        trace_planes(tracer->world, &blocks[b].rays, &blocks[b], trace_lanes(count, b));
+        trace_planes(tracer, &blocks[b].rays, &blocks[b], trace_lanes(count, b));
 }
 
 /* ---- tracers ---- */
@@ -153,7 +155,7 @@ void trace_closest_fine(const trace_tracer *tracer, trace_block *blocks, trace_f
 void trace_any(const trace_tracer *tracer, trace_rays *blocks, size_t count, trace_coherence coherence) {
     tracer->ops->any(tracer, blocks, count, coherence);
     for (size_t b = 0; !tracer->ops->planes && b * LANES < count; ++b)
-        trace_planes(tracer->world, &blocks[b], NULL, trace_lanes(count, b));
+        trace_planes(tracer, &blocks[b], NULL, trace_lanes(count, b));
 }
 
 bool trace_tells_opaque(const trace_tracer *tracer) { return tracer->tells_opaque; }

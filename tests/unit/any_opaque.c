@@ -3,6 +3,8 @@
 
 enum { SQUARES = 120 };
 
+static const double as_it_is[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
 typedef struct things {
     double center[SQUARES][3], u[SQUARES][3], v[SQUARES][3];
 } things;
@@ -132,16 +134,12 @@ static trace_passes at(const void *user, uint32_t geometry, uint32_t triangle, u
 }
 
 static stage kinds_of(const things *t, unsigned kinds, bool placed) {
-    const double as_it_is[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     stage s = stage_open();
     const fathom_id clear = glassy(&s), group = placed ? new_group(s.scene, "things") : FATHOM_ROOT;
     for (int i = 0; i < SQUARES; ++i)
         if (kinds >> i % 4 & 1)
             put(&s, i < SQUARES / 2 ? FATHOM_ROOT : group, t, i, i % 4 == OPAQUE ? 0 : clear);
-    fathom_instance instance = default_instance();
-    instance.group = group;
-    memcpy(instance.transform, as_it_is, sizeof as_it_is);
-    if (placed) assert_ok(s.context, fathom_scene_add_instance(s.scene, &instance, NULL));
+    if (placed) add_instance(&s, group, as_it_is);
     return s;
 }
 
@@ -172,16 +170,78 @@ UNIT_TEST(surfaces_stop_rays_where_no_light_passes_and_are_skipped_where_all_doe
     for (int k = 0; k < 4; ++k) expect_known(k & 1, k & 2);
 }
 
-/* Hand-written intersectors do not tell; neither does a tracer that nobody asks. */
-UNIT_TEST(shapes_that_are_not_embrees_own_are_not_told_apart) {
-    for (int k = 0; k < 4; ++k) {
+/* ---- spheres, quads and planes ---- */
+
+/* Spheres and quads, some of them opaque, and a plane that is not. opaque, clear: whether these are there.
+ * placed: in a group. */
+static stage shapes_of(const things *t, unsigned spheres, bool opaque, bool clear, bool placed) {
+    stage s = stage_open();
+    const fathom_id group = placed ? new_group(s.scene, "shapes") : FATHOM_ROOT;
+    const fathom_id pane = glassy(&s);
+    fathom_sphere sphere = default_sphere();
+    fathom_plane plane = default_plane();
+    sphere.radius = 0.3, plane.material = pane, plane.point[2] = -4;
+    for (unsigned i = 0; i < SQUARES; ++i) {
+        fathom_quad quad = default_quad();
+        fathom_quad_from_axes(t->center[i], t->u[i], t->v[i], &quad);
+        quad.material = sphere.material = i % 4 ? 0 : pane;
+        memcpy(sphere.center, t->center[SQUARES - 1 - i], sizeof sphere.center);
+        if (!(i % 4 ? opaque : clear)) continue;
+        if (i < spheres) assert_ok(s.context, fathom_scene_add_sphere(s.scene, group, &sphere, NULL));
+        if (i < 20) assert_ok(s.context, fathom_scene_add_quad(s.scene, group, &quad, NULL));
+    }
+    if (clear) assert_ok(s.context, fathom_scene_add_plane(s.scene, FATHOM_ROOT, &plane, NULL));
+    if (placed) add_instance(&s, group, as_it_is);
+    return s;
+}
+
+/* A plane, and one of few spheres, may end a ray before an opaque surface that lies behind. */
+static void expect_shapes(unsigned spheres, bool placed) {
+    static things t;
+    seed = 88172645463325252u;
+    random_things(&t);
+    stage whole = shapes_of(&t, spheres, true, true, placed),
+          opaque = shapes_of(&t, spheres, true, false, placed),
+          clear = shapes_of(&t, spheres, false, true, placed);
+    const ray_set set = random_rays(fewer(20003));
+    const unsigned char *stopped = occluded(stage_embree(&opaque, 1), &set, TRACE_INCOHERENT),
+                        *met = occluded(stage_embree(&clear, 1), &set, TRACE_INCOHERENT);
+    for (unsigned width = 1; width <= 16; width *= 4) {
+        const trace_tracer *tracer = telling(&whole, width);
+        const float *ends = ends_of(tracer, &set, TRACE_INCOHERENT);
+        size_t count[4] = {0};
+        assert_true(trace_tells_opaque(tracer));
+        for (size_t i = 0; i < set.count; ++i) {
+            const bool either = stopped[i] && met[i] && ends[i] == TRACE_NOT_OPAQUE;
+            const float expected = either || (met[i] && !stopped[i]) ? TRACE_NOT_OPAQUE
+                                   : stopped[i]                      ? -INFINITY
+                                                                     : INFINITY;
+            if (ends[i] != expected)
+                fail_msg("ray %zu: %g, expected %g", i, (double)ends[i], (double)expected);
+            ++count[2 * stopped[i] + met[i]];
+        }
+        for (int k = 0; k < 4; ++k) assert_true(count[k] > set.count / 60);
+    }
+}
+
+/* Few spheres are not in Embree's trees, many are. */
+UNIT_TEST(shapes_are_told_apart) {
+    expect_shapes(9, false);
+    expect_shapes(40, false);
+    expect_shapes(40, true);
+}
+
+/* Hand-written intersectors of quads do not tell; neither does a tracer that nobody asks. */
+UNIT_TEST(quads_that_are_not_embrees_own_are_not_told_apart) {
+    for (int k = 0; k < 2; ++k) {
         stage s = stage_open();
-        fathom_sphere sphere = default_sphere();
-        fathom_plane plane = default_plane();
-        if (k) sphere.material = plane.material = glassy(&s);
-        if (k != 2) assert_ok(s.context, fathom_scene_add_sphere(s.scene, FATHOM_ROOT, &sphere, NULL));
-        if (k != 1) assert_ok(s.context, fathom_scene_add_plane(s.scene, FATHOM_ROOT, &plane, NULL));
-        assert_true(trace_tells_opaque(telling(&s, 1)) == (k == 0));
+        fathom_quad quad = default_quad();
+        const trace_options options = {.words = "embree:user", .threads = 2, .tell_opaque = true};
+        trace_tracer *tracer;
+        if (k) quad.material = glassy(&s);
+        assert_ok(s.context, fathom_scene_add_quad(s.scene, FATHOM_ROOT, &quad, NULL));
+        assert_ok(s.context, trace_create(s.context, stage_world(&s), &options, &tracer));
+        assert_true(trace_tells_opaque(own_tracer(tracer)) == (k == 0));
         assert_false(trace_tells_opaque(stage_embree(&s, 1)));
     }
 }

@@ -215,7 +215,7 @@ fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, 
                                 : scene_object_material(w->scene, world_object(w, geometry, primitive));
 }
 
-static bool may_pass(const world *w, fathom_id material) {
+bool world_material_passes(const world *w, fathom_id material) {
     return material != FATHOM_NONE && material_may_pass(&w->scene->materials.items[material].value);
 }
 
@@ -223,9 +223,9 @@ static bool geometry_may_pass(const world *w, uint32_t geometry) {
     const world_geometry *g = &w->geometries.items[geometry];
     if (g->kind == WORLD_MESH)
         return w->meshes.items[g->first].color_channels >= 4 ||
-               may_pass(w, world_material(w, geometry, 0, FATHOM_NONE));
+               world_material_passes(w, world_material(w, geometry, 0, FATHOM_NONE));
     for (uint32_t i = 0; i < g->count; ++i)
-        if (may_pass(w, world_material(w, geometry, i, FATHOM_NONE))) return true;
+        if (world_material_passes(w, world_material(w, geometry, i, FATHOM_NONE))) return true;
     return false;
 }
 
@@ -234,7 +234,8 @@ uint8_t *world_passing(const world *w) {
     for (uint32_t i = 0; out && i < w->geometries.count; ++i) out[i] = geometry_may_pass(w, i);
     for (size_t k = 0; out && k < w->instances.count; ++k) {
         const world_group *group = &w->groups.items[w->instances.items[k].group];
-        if (may_pass(w, w->instances.items[k].material)) memset(out + group->first, 1, group->count);
+        if (world_material_passes(w, w->instances.items[k].material))
+            memset(out + group->first, 1, group->count);
     }
     return out;
 }

@@ -61,6 +61,7 @@ typedef struct world_plane {
     vec3_f32 point, u, v; /* a point on it and two unit tangents */
     fathom_id object, material;
     unsigned flags;
+    bool passes; /* light may pass it straight */
 } world_plane;
 
 static inline void world_plane_set_normal(world_plane *plane, vec3_f64 normal) {
@@ -205,6 +206,8 @@ fathom_id world_object(const world *w, uint32_t geometry, uint32_t primitive);
 /* The index of a primitive within its object: the triangle or the point of a mesh, else 0. */
 uint32_t world_primitive(const world *w, uint32_t geometry, uint32_t primitive);
 fathom_id world_material(const world *w, uint32_t geometry, uint32_t primitive, uint32_t instance);
+/* True if light may pass surfaces of the material, or FATHOM_NONE, straight. */
+bool world_material_passes(const world *w, fathom_id material);
 /* By geometry, 1: light may pass some of its surfaces straight, in its group or in an instance of that. NULL:
  * out of memory. Release with free(). */
 uint8_t *world_passing(const world *w);

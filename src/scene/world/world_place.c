@@ -93,6 +93,7 @@ static bool add_plane(placer *p, const fathom_plane *plane, fathom_id object, co
                        .material = material != FATHOM_NONE ? material : plane->material,
                        .flags = plane->flags};
     world_plane_set_normal(&out, normal);
+    out.passes = world_material_passes(p->w, out.material);
     return array_push(&p->w->planes, out);
 }
 

@@ -111,6 +111,7 @@ static void destroy(trace_tracer *base) {
     free(tracer->halved);
     free(tracer->few);
     free(tracer->passing);
+    free(tracer->clear);
     release_device(tracer->device);
     free(tracer);
 }

@@ -36,6 +36,7 @@ typedef struct embree_tracer {
     const few_kernels *few_kernels;
     sphere_clusters *clusters; /* by the world's geometries: of the spheres that are in scenes; NULL: none */
     embree_passing *passing;   /* by geometry; NULL: light passes none straight */
+    bool *clear;               /* by material, with `passing`: light may pass it straight */
     enum RTCBuildQuality quality;
     unsigned width;            /* rays in one call, no more than the kernels take */
     trace_reach reach;         /* of the rays that Embree may get */
@@ -62,6 +63,9 @@ fathom_status embree_fit_memory(embree_tracer *tracer);
 
 /* Fills tracer->scenes. FATHOM_INTERRUPTED when progress returned false. */
 fathom_status embree_build(embree_tracer *tracer);
+
+/* True if light may pass the material of a sphere or quad straight. instance: as Embree numbers them. */
+bool embree_lets_pass(const embree_passing *p, uint32_t primitive, uint32_t instance);
 
 /* ---- embree_shapes.c ---- */
 

@@ -57,20 +57,30 @@ static bool is_few(const embree_tracer *tracer, const world_group *group, const 
     return tracer->few && group == &tracer->base.world->groups.items[0] && geometry->kind == WORLD_SPHERES;
 }
 
+static uint32_t instance_of(const embree_tracer *tracer, uint32_t id) {
+    return id == RTC_INVALID_GEOMETRY_ID ? FATHOM_NONE : id - tracer->base.world->groups.items[0].count;
+}
+
+bool embree_lets_pass(const embree_passing *p, uint32_t primitive, uint32_t instance) {
+    const embree_tracer *tracer = p->tracer;
+    return tracer
+        ->clear[world_material(tracer->base.world, p->geometry, primitive, instance_of(tracer, instance))];
+}
+
 static trace_passes passes_at(const embree_passing *p, const struct RTCFilterFunctionNArguments *args,
                               unsigned i) {
     const trace_passing *known = &p->tracer->base.passing;
-    const world *w = p->tracer->base.world;
+    const bool mesh = p->tracer->base.world->geometries.items[p->geometry].kind == WORLD_MESH;
     const void *rows = args->hit;
     const float *hit = rows;
     const uint32_t *ids = rows, n = args->N, triangle = ids[EMBREE_ROW_PRIMITIVE * n + i];
     const uint8_t *triangles = known->triangles ? known->triangles[p->geometry] : NULL;
-    uint32_t instance = ids[EMBREE_ROW_INSTANCE * n + i];
-    if (instance != RTC_INVALID_GEOMETRY_ID) instance -= w->groups.items[0].count;
+    const uint32_t instance = ids[EMBREE_ROW_INSTANCE * n + i];
     if (triangles && triangles[triangle] != TRACE_PASSES_SOME) return triangles[triangle];
-    if (!known->at) return TRACE_PASSES_SOME;
-    return known->at(known->user, p->geometry, triangle, instance, hit[EMBREE_ROW_U * n + i],
-                     hit[EMBREE_ROW_V * n + i]);
+    if (!known->at)
+        return mesh || embree_lets_pass(p, triangle / 2, instance) ? TRACE_PASSES_SOME : TRACE_PASSES_NONE;
+    return known->at(known->user, p->geometry, triangle, instance_of(p->tracer, instance),
+                     hit[EMBREE_ROW_U * n + i], hit[EMBREE_ROW_V * n + i]);
 }
 
 /* The filter of any-hit queries on surfaces that light may pass straight: notes hits where a part passes, and
@@ -87,12 +97,13 @@ static void note_hits(const struct RTCFilterFunctionNArguments *args) {
     }
 }
 
-/* Embree's own shapes are told apart, and no others. */
+/* Quads and triangles with callbacks cannot be told apart. */
 static bool can_tell(const world *w, const trace_spec *spec, const uint8_t *passing) {
-    for (size_t p = 0; p < w->planes.count; ++p)
-        if (material_may_pass(&w->scene->materials.items[w->planes.items[p].material].value)) return false;
-    for (size_t g = 0; g < w->geometries.count; ++g)
-        if (passing[g] && !embree_is_native(spec, w, &w->geometries.items[g])) return false;
+    for (size_t g = 0; g < w->geometries.count; ++g) {
+        const world_geometry *geometry = &w->geometries.items[g];
+        if (passing[g] && geometry->kind != WORLD_SPHERES && !embree_is_native(spec, w, geometry))
+            return false;
+    }
     return true;
 }
 
@@ -103,11 +114,26 @@ static bool prepare_to_tell(embree_tracer *tracer) {
     if (!passing) return false;
     tracer->base.tells_opaque = can_tell(w, &tracer->spec, passing);
     const bool some = tracer->base.tells_opaque && memchr(passing, 1, w->geometries.count);
-    if (some) tracer->passing = calloc(w->geometries.count, sizeof *tracer->passing);
+    if (some) {
+        tracer->passing = calloc(w->geometries.count, sizeof *tracer->passing);
+        tracer->clear = calloc(w->scene->materials.count, sizeof *tracer->clear);
+    }
     for (uint32_t g = 0; tracer->passing && g < w->geometries.count; ++g)
         tracer->passing[g] = (embree_passing){passing[g] ? tracer : NULL, g};
+    for (uint32_t m = 0; tracer->clear && m < w->scene->materials.count; ++m)
+        tracer->clear[m] = world_material_passes(w, m);
     free(passing);
-    return tracer->passing || !some;
+    return (tracer->passing && tracer->clear) || !some;
+}
+
+/* Spheres have no filter: their callbacks tell. */
+static void let_pass(embree_tracer *tracer, RTCGeometry made, uint32_t geometry) {
+    if (tracer->base.world->geometries.items[geometry].kind == WORLD_SPHERES) {
+        tracer->clusters[geometry].passing = &tracer->passing[geometry];
+        return;
+    }
+    rtcSetGeometryUserData(made, &tracer->passing[geometry]);
+    rtcSetGeometryOccludedFilterFunction(made, note_hits);
 }
 
 static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world_group *group) {
@@ -118,10 +144,8 @@ static void attach_geometries(embree_tracer *tracer, RTCScene scene, const world
         RTCGeometry made = embree_is_native(&tracer->spec, tracer->base.world, geometry)
                                ? embree_native_geometry(tracer->device, w, geometry)
                                : embree_user_geometry(tracer, group->first + i);
-        if (made && tracer->passing && tracer->passing[group->first + i].tracer) {
-            rtcSetGeometryUserData(made, &tracer->passing[group->first + i]);
-            rtcSetGeometryOccludedFilterFunction(made, note_hits);
-        }
+        if (made && tracer->passing && tracer->passing[group->first + i].tracer)
+            let_pass(tracer, made, group->first + i);
         attach(tracer, scene, made, i, geometry_mask(tracer, geometry));
     }
 }

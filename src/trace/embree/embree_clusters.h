@@ -21,6 +21,7 @@ typedef struct sphere_clusters {
     sphere_cluster *items;
     const world_sphere *spheres; /* by primitive */
     uint32_t count;
+    const struct embree_passing *passing; /* NULL: light passes no sphere straight */
     const struct few_kernels *kernels;
 } sphere_clusters;
 

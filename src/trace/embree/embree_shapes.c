@@ -223,6 +223,7 @@ static void cluster_closest(const struct RTCIntersectFunctionNArguments *args) {
 }
 
 static void cluster_any(const struct RTCOccludedFunctionNArguments *args) {
+    const embree_context *context = (const embree_context *)args->context;
     const packet p = {(float *)(void *)args->ray, args->N};
     for (unsigned i = 0; i < p.n; ++i) {
         const world_sphere *sphere;
@@ -231,7 +232,14 @@ static void cluster_any(const struct RTCOccludedFunctionNArguments *args) {
         meeting m;
         if (!args->valid[i]) continue;
         meet(&m, args->geometryUserPtr, args->primID, p, i);
-        if (next_hit(&m, &sphere, &primitive, &t)) p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
+        while (next_hit(&m, &sphere, &primitive, &t)) {
+            if (m.all->passing && embree_lets_pass(m.all->passing, primitive, context->instID[0])) {
+                ((uint32_t *)(void *)p.ray)[EMBREE_ROW_FLAGS * p.n + i] |= TRACE_PASSED_SOME;
+                continue;
+            }
+            p.ray[EMBREE_ROW_T_FAR * p.n + i] = -INFINITY;
+            break;
+        }
     }
 }
 

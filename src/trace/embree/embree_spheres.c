@@ -99,6 +99,13 @@ static void set_hit(trace_block *block, unsigned lane, const few_spheres *s, uns
     r->t_far[lane] = t;
 }
 
+/* t_far of any-hit queries that meet the sphere. */
+static float end_of(const embree_tracer *tracer, const few_spheres *s, unsigned k) {
+    const embree_passing *p = tracer->passing ? &tracer->passing[s->geometry[k]] : NULL;
+    return p && p->tracer && embree_lets_pass(p, s->primitive[k], RTC_INVALID_GEOMETRY_ID) ? TRACE_NOT_OPAQUE
+                                                                                           : -INFINITY;
+}
+
 /* ---- a block ---- */
 
 /* Tests the spheres `close` (bits): closest hits, or any hits if `block` is NULL. */
@@ -119,7 +126,7 @@ static void test_spheres(const embree_tracer *tracer, uint32_t close, trace_rays
             float t;
             if (!lane_t(s->sphere[k], rays, &roots, i, t_far, &t)) continue;
             if (!block)
-                rays->t_far[i] = -INFINITY;
+                rays->t_far[i] = end_of(tracer, s, k);
             else if (comes_first(tracer, block, i, t_far, ids, t))
                 set_hit(block, i, s, k, t);
         }
