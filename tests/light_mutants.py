@@ -156,7 +156,7 @@ MUTANTS = [
     ("a film of another thickness", "material/film.c", "thin film", "2 * index * thickness * inner * k", "2 * index * thickness * k"),
     ("a film's base loses what Schlick's curve reflects", "material/layers.h", "film over",
      "m->film_again[c] * (1 - all) + rest);", "m->film_again[c] * (1 - all) + 0 * rest);"),
-    ("facets of a rough film are taken as seen from the normal", "material/energy_facets.c", "rough film",
+    ("facets of a rough film are taken as seen from the normal", "material/kernels/energy.c", "rough film",
      "place[k] = sqrtf(f.along > 0 ? (f.along < 1 ? f.along : 1) : 0) * ENERGY_FACETS_STEPS;",
      "place[k] = sqrtf(m->v[2] + 0 * f.along) * ENERGY_FACETS_STEPS;"),
     ("all channels of a film keep what the brightest reflects", FILM.replace("kernels/film.h", "film.c"), "film over",

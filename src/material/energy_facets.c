@@ -1,14 +1,13 @@
 /* Albedos of GGX facets with any reflectance: how much of the light that a viewer sees comes from facets at
  * each cosine to the viewer. This does not depend on the reflectance, so films are cheap where their
  * thickness varies. */
-#include "material/energy.h"
-#include "material/energy_ring.h"
+#include "material/energy_kernels.h"
 #include "material/energy_tables.h"
 #include "material/shader.h"
 #include "math/turn.h"
 
 /* Tables at alphas (j / STEPS)^4, the larger one first. */
-enum { STEPS = 24, ROWS = STEPS + 1, NODES = ENERGY_FACETS_STEPS + 1, AROUND = 24, ALONG = 32, TURNS = 8 };
+enum { STEPS = 24, ROWS = STEPS + 1, NODES = ENERGY_FACETS_STEPS + 1, AROUND = 24, TURNS = 8 };
 typedef struct weights {
     float of[NODES][NODES]; /* by the viewer's cosine, by that of viewer and facet */
 } weights;
@@ -16,43 +15,21 @@ static weights tables[ROWS * (ROWS + 1) / 2];
 static bool made[ROWS * (ROWS + 1) / 2];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
-static ring_viewer viewer_at(float ax, float ay, float mu, float turn) {
-    const float sine = sqrtf((1 - mu) * (1 + mu));
-    float x, y;
-    turn_by(turn, &x, &y);
-    return ring_viewer_at(ax, ay, (float[3]){sine * x, sine * y, mu});
-}
-
-static void add_ring(const ring_viewer *m, float u, float part, float out[NODES]) {
-    float cosine, sine, share[ALONG], place[ALONG];
-    turn_by(u, &cosine, &sine);
-    for (int k = 0; k < ALONG; ++k) {
-        const float q = ((float)k + 0.5f) / ALONG;
-        const ring_facet f = ring_facet_at(m, q, cosine, sine);
-        share[k] = part * 2 * q * ring_mirrored(m, &f);
-        place[k] = sqrtf(f.along > 0 ? (f.along < 1 ? f.along : 1) : 0) * ENERGY_FACETS_STEPS;
-    }
-    for (int k = 0; k < ALONG; ++k) {
-        const int node = place[k] < ENERGY_FACETS_STEPS - 1 ? (int)place[k] : ENERGY_FACETS_STEPS - 1;
-        const float t = place[k] - (float)node;
-        out[node] += (1 - t) * share[k], out[node + 1] += t * share[k];
-    }
-}
-
-/* All azimuths have the same value if the alphas are equal, and so have both halves of the rings. */
+/* All azimuths have the same value if the alphas are equal. */
 static void fill(const int *rows, void *table) {
+    const energy_kernels *kernels = energy_kernels_best();
     weights *out = table;
     const int turns = rows[0] == rows[1] ? 1 : TURNS;
     const float ax = energy_fourth(rows[0], STEPS),
                 ay = most(energy_fourth(rows[1], STEPS), SHADER_SMOOTH_ALPHA);
     for (int k = 0; k < NODES; ++k) {
-        const float x = (float)k / ENERGY_FACETS_STEPS, mu = most(x * x, 1e-6f);
+        const float x = (float)k / ENERGY_FACETS_STEPS, mu = most(x * x, 1e-6f), sine = energy_sine(mu);
         if (ax < SHADER_SMOOTH_ALPHA) out->of[k][k] = 1;
         for (int j = 0; j < turns && ax >= SHADER_SMOOTH_ALPHA; ++j) {
-            const ring_viewer m = viewer_at(ax, ay, mu, turns > 1 ? 0.25f * ((float)j + 0.5f) / TURNS : 0);
-            for (int i = 0; i < AROUND; ++i)
-                add_ring(&m, (turns > 1 ? 1 : 0.5f) * ((float)i + 0.5f) / AROUND,
-                         1.0f / (float)(turns * AROUND * ALONG), out->of[k]);
+            float c, s;
+            turn_by(turns > 1 ? 0.25f * ((float)j + 0.5f) / TURNS : 0, &c, &s);
+            kernels->facets(&(energy_view){ax, ay, {sine * c, sine * s, mu}, AROUND}, 1.0f / (float)turns,
+                            out->of[k]);
         }
     }
 }

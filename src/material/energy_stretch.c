@@ -1,39 +1,15 @@
 /* Albedos of GGX lobes with two alphas; as energy.c, with a viewer at any azimuth. */
-#include "material/energy.h"
-#include "material/energy_ring.h"
+#include "material/energy_kernels.h"
 #include "material/energy_tables.h"
 #include "material/shader.h"
-#include "math/power.h"
-#include "math/turn.h"
 
 /* Tables at alphas (j / STEPS)^4. */
-enum { STEPS = 36, AROUND = 32, ALONG = 32 };
+enum { STEPS = 36, AROUND = 32 };
 static energy_table tables[STEPS + 1][STEPS + 1]; /* along, across */
 static bool made[STEPS + 1][STEPS + 1];
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
 static float alpha_at(int j) { return most(energy_fourth(j, STEPS), SHADER_SMOOTH_ALPHA); }
-
-static void add_facets(const ring_viewer *m, float u, float all[ALONG], float edge[ALONG]) {
-    float cosine, sine;
-    turn_by(u, &cosine, &sine);
-    for (int k = 0; k < ALONG; ++k) {
-        const float q = ((float)k + 0.5f) / ALONG;
-        const ring_facet f = ring_facet_at(m, q, cosine, sine);
-        const float part = 2 * q * ring_mirrored(m, &f);
-        all[k] += part, edge[k] += part * power5(f.along < 1 ? 1 - f.along : 0);
-    }
-}
-
-static void albedo(float ax, float ay, float mu, float x, float y, float out[2]) {
-    const float sine = sqrtf((1 - mu) * (1 + mu));
-    const ring_viewer m = ring_viewer_at(ax, ay, (float[3]){sine * x, sine * y, mu});
-    float all[ALONG] = {0}, edge[ALONG] = {0};
-    for (int j = 0; j < AROUND; ++j) add_facets(&m, ((float)j + 0.5f) / AROUND, all, edge);
-    out[0] = out[1] = 0;
-    for (int k = 0; k < ALONG; ++k) out[0] += all[k], out[1] += edge[k];
-    out[0] /= AROUND * ALONG, out[1] /= AROUND * ALONG;
-}
 
 /* The fraction of a quarter turn that a node represents: the integral of its hat function, by the midpoint
  * rule. */
@@ -54,15 +30,16 @@ void energy_turn_parts(float parts[ENERGY_TURNS + 1]) {
 
 static void fill(const int *rows, void *table) {
     const float ax = alpha_at(rows[0]), ay = alpha_at(rows[1]);
+    const energy_kernels *kernels = energy_kernels_best();
     energy_table *out = table;
     float part[ENERGY_TURNS + 1];
     energy_turn_parts(part);
     for (int k = 0; k < ENERGY_NODES; ++k) {
-        const float mu = energy_cosine(k, ENERGY_STEPS);
+        const float mu = energy_cosine(k, ENERGY_STEPS), flat = energy_sine(mu);
         for (int j = 0; j <= ENERGY_TURNS; ++j) {
-            const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = 1 / sqrtf(x * x + y * y);
+            const float y = (float)j / ENERGY_TURNS, x = 1 - y, unit = flat / sqrtf(x * x + y * y);
             float both[2];
-            albedo(ax, ay, mu, x * unit, y * unit, both);
+            kernels->mirror(&(energy_view){ax, ay, {x * unit, y * unit, mu}, AROUND}, both);
             for (int c = 0; c < 2; ++c) {
                 out->albedo[c][j][k] = both[c];
                 out->around[c][k] += part[j] * both[c];

@@ -15,6 +15,8 @@ static inline float energy_fourth(int j, int steps) {
 }
 static inline float energy_cosine(int node, int steps) { return most(energy_fourth(node, steps), 1e-6f); }
 
+static inline float energy_sine(float cosine) { return sqrtf((1 - cosine) * (1 + cosine)); }
+
 /* Indices are where (n - 1) / (n + 1) is (k / steps)^2. */
 static inline float energy_index(int k, int steps) {
     const float x = (float)k / (float)steps, ratio = most(x * x, 1e-4f);
