@@ -55,6 +55,16 @@ static bool named_differs(const form *f, const char *name, const void *values, c
     return key && differs(key, values, usual);
 }
 
+/* True if an image raises the parameter towards 1. */
+static bool is_raised(const form *f, const char *name, const void *values) {
+    char image[64];
+    snprintf(image, sizeof image, "%sTexture", name);
+    const form_key *key = form_find(f, image);
+    if (!key || key->kind != FORM_OBJECT) return false;
+    const form_texture_values *v = (const void *)((const char *)values + key->offset);
+    return v->file && v->inverted;
+}
+
 /* True if the keys that this key needs, or has no effect without, are written. */
 static bool has_needed(const form *f, const form_key *key, const void *values, const void *usual) {
     for (const form_rule *const *part = f->rules; *part; ++part) {
@@ -64,7 +74,7 @@ static bool has_needed(const form *f, const form_key *key, const void *values, c
             size_t count = 0, written = 0;
             if (!(one || all) || strcmp(rule->key, key->name) != 0) continue;
             for (const char *const *other = rule->others; *other; ++other, ++count)
-                written += named_differs(f, *other, values, usual);
+                written += named_differs(f, *other, values, usual) || is_raised(f, *other, values);
             if (all ? written < count : !written) return false;
         }
     }

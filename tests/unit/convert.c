@@ -168,6 +168,27 @@ UNIT_TEST(every_image_reads_back) {
     }
 }
 
+/* So do the parameters that have an effect only with this one. */
+UNIT_TEST(images_that_raise_a_parameter_from_0_read_back) {
+    static const int kinds[] = {FATHOM_MAP_METALLIC,    FATHOM_MAP_TRANSMISSION,
+                                FATHOM_MAP_CLEARCOAT,   FATHOM_MAP_IRIDESCENCE,
+                                FATHOM_MAP_SHEEN_COLOR, FATHOM_MAP_DIFFUSE_TRANSMISSION};
+    const fathom_texture texture = {
+        .size = sizeof texture, .bytes = "\x89PNG\r\n", .byte_count = 6, .color_space = FATHOM_COLOR_LINEAR};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
+        fathom_material given = default_material();
+        given.model = FATHOM_MODEL_METALLIC_ROUGHNESS, given.metallic = 0;
+        given.clearcoat_roughness = kinds[i] == FATHOM_MAP_CLEARCOAT ? 0.4f : 0;
+        given.maps[kinds[i]] = (fathom_map){.texture = 0, .inverted = true, .transform = {1, 0, 0, 0, 1, 0}};
+        forget_warnings();
+        const fathom_scene *back = through(wearing(&given, &texture), JSON);
+        check_map(back, &given.maps[kinds[i]], kinds[i], &texture);
+        assert_true(worn(back)->clearcoat_roughness == given.clearcoat_roughness);
+        assert_null(strstr(warned, "no effect"));
+        unlink(in_folder("a-0.png"));
+    }
+}
+
 /* The material of the scene that comes back from .obj. */
 static const fathom_material *through_obj(const fathom_scene *scene, fathom_scene **back) {
     *back = written(scene, "a.obj");

@@ -310,6 +310,13 @@ static fathom_status check_rules(const doc *d, const where *at, json_t *value, c
     return FATHOM_OK;
 }
 
+/* True if an image raises the parameter towards 1, also from its default of 0. */
+static bool is_raised(json_t *value, const char *name) {
+    char image[64];
+    snprintf(image, sizeof image, "%sTexture", name);
+    return json_is_true(json_object_get(json_object_get(value, image), "inverted"));
+}
+
 static void warn_useless(const doc *d, const where *at, json_t *value, const form_rule *rule,
                          const char *also) {
     const where key = {at, rule->key, 0};
@@ -318,7 +325,8 @@ static void warn_useless(const doc *d, const where *at, json_t *value, const for
     char all[TEXT_ROOM] = "";
     if ((rule->kind != FORM_WANTS && !one) || !doc_has(value, rule->key)) return;
     for (const char *const *other = rule->others; *other; ++other, ++count) {
-        if (doc_has(value, *other) || (also && strcmp(also, *other) == 0)) continue;
+        if (doc_has(value, *other) || is_raised(value, *other) || (also && strcmp(also, *other) == 0))
+            continue;
         doc_list_word(all, sizeof all, *other, "\"");
         ++missing;
     }
