@@ -30,12 +30,13 @@ typedef struct fathom_framing {
     bool made; /* false: the scene has a camera of its own, or nothing that can be seen; all else is 0 then */
     fathom_up up;
     double eye[3];
-    double slopes[2]; /* half the width and half the height of the view at distance 1 */
-    double reach[4];  /* extent of the model to the right, left, top and bottom: for each, the maximum of
-                         x + s z over its points. x points to that side in the image, z towards the eye, and s
-                         is the slope of that axis */
-    double foot[3];   /* the point of the floor below the middle of the model */
-    double radius;    /* of the model's bounds; 0: there is no floor */
+    double slopes[2];  /* half the width and half the height of the view at distance 1 */
+    double reach[4];   /* extent of the model to the right, left, top and bottom: for each, the maximum of
+                          x + s z over its points. x points to that side in the image, z towards the eye, and s
+                          is the slope of that axis */
+    double foot[3];    /* the point of the floor below the middle of the model */
+    double radius;     /* of the model's bounds; 0: there is no floor */
+    double axes[3][3]; /* of the camera: right, up, and back from the model */
 } fathom_framing;
 
 typedef struct fathom_read_options {
@@ -78,13 +79,14 @@ typedef struct fathom_read_options {
     double shutter;
     /* A model that the automatic camera sees gets a floor to stand on, which touches its lowest point. In the
      * built-in studio it is an object named "studio floor", a grey sheet that bends up into a wall behind, as
-     * far as the image shows. In `environment` it is a round grey "plate" whose edge fades. Default false. */
+     * far as the image shows. In `environment` it is a round grey "plate" whose edge fades. A camera below it
+     * sees none. Default false. */
     bool floor;
     /* An image of the sky that lights the scene in place of the file's background and environments, and of
      * the built-in studio: see FATHOM_LIGHT_ENVIRONMENT. Its top points up. NULL (default): none. */
     const char *environment;
     double environment_rotation; /* radians, about the axis that is up; default 0 */
-    /* Position of the automatic camera and the floor, made for the same `up`, width and height. NULL
+    /* Position of the automatic camera and the floor, made for the same view, width and height. NULL
      * (default), or a framing with made == false: chosen so that the whole scene is visible. */
     const fathom_framing *framing;
     /* With choose_integrator: the caller sets spp itself, so the spp and the target error of a file for
@@ -98,6 +100,11 @@ typedef struct fathom_read_options {
     /* Adds no lights to a scene that has none: neither the built-in studio nor a key and a fill light.
      * Default false. */
     bool no_studio;
+    /* From where the automatic camera looks, in radians; the studio and the floor turn with it. azimuth: from
+     * the front (z, or -y with FATHOM_UP_Z) to the right; elevation: above the floor, [-π/2, π/2]. Files with
+     * a camera: a warning. Default: slightly right and above, about 0.42 and 0.31. */
+    bool choose_azimuth, choose_elevation;
+    double azimuth, elevation;
 } fathom_read_options;
 
 FATHOM_DEFAULT(fathom_read_options)
@@ -112,7 +119,7 @@ FATHOM_API fathom_status fathom_scene_framing(const fathom_scene *scene, fathom_
  * or the file has a camera of its own. */
 FATHOM_API bool fathom_scene_framed_times(const fathom_scene *scene, double out[2]);
 /* Extends *framing so that it also shows what *other shows. Both must come from scenes that were read for the
- * same `up`, width and height. If either has made == false, the call does nothing. */
+ * same view, width and height. If either has made == false, the call does nothing. */
 FATHOM_API void fathom_framing_unite(fathom_framing *framing, const fathom_framing *other);
 
 /* FATHOM_BAD_INPUT when a file that the scene was mapped from has been truncated or changed since it was

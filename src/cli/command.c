@@ -41,10 +41,15 @@ const command *command_find(const command *const *among, const char *name, args_
 }
 
 fathom_read_options command_read_options(const command_model *model) {
+    static const double degree = 3.14159265358979323846 / 180;
     static const double metres[] = {0, 1e-3, 1e-2, 1e-1, 1e3, 0.0254, 0.3048}; /* of COMMAND_UNITS */
     return (fathom_read_options){.size = sizeof(fathom_read_options),
                                  .camera = model->camera,
                                  .up = model->up,
+                                 .choose_azimuth = model->azimuth.given,
+                                 .azimuth = model->azimuth.value * degree,
+                                 .choose_elevation = model->elevation.given,
+                                 .elevation = model->elevation.value * degree,
                                  .choose_time = model->time.given,
                                  .time = model->time.value,
                                  .shutter = model->shutter.value,

@@ -64,7 +64,7 @@ typedef struct command_model {
     fathom_up up;
     unsigned unit; /* index in COMMAND_UNITS */
     args_f64 time;
-    args_f64 shutter;
+    args_f64 shutter, azimuth, elevation;
     args_list animations;
 } command_model;
 
@@ -102,10 +102,16 @@ fathom_read_options command_read_options(const command_model *model);
                           "and of the AOVs Z and P (m)")
 
 /* For commands that make a camera. */
-#define COMMAND_UP(settings)                                                                                 \
+#define COMMAND_VIEW(settings)                                                                               \
     COMMAND_MODEL_ROW(                                                                                       \
         settings, "up", "y|z", take_choice, up, 0, 0,                                                        \
-        "up axis of the automatic camera and its lights (y); most CAD programs and scanners use z")
+        "up axis of the automatic camera and its lights (y); most CAD programs and scanners use z"),         \
+        COMMAND_MODEL_ROW(settings, "azimuth", "DEGREES", take_given_f64, azimuth, -1e6, 1e6,                \
+                          "how far the automatic camera, its lights and the floor turn around the model, "   \
+                          "from the front to the right; 180 shows the back (24)"),                           \
+        COMMAND_MODEL_ROW(settings, "elevation", "DEGREES", take_given_f64, elevation, -90, 90,              \
+                          "height of the automatic camera above the floor as an angle; 90 looks straight "   \
+                          "down (18)")
 
 /* Options that most commands share: the first member of the settings. */
 typedef struct command_common {

@@ -240,7 +240,7 @@ static fathom_status describe_with_problems(fathom_context *context, void *setti
 static const args_option options[] = {
     {.help = "Options"},
     COMMAND_MODEL(info_settings),
-    COMMAND_UP(info_settings),
+    COMMAND_VIEW(info_settings),
     {"json", 0, NULL, take_true, offsetof(info_settings, json), 0, 0, "as JSON"},
     COMMAND_ALLOW_OUTSIDE,
     COMMAND_THREADS,

@@ -313,6 +313,9 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
     if (asked->up != FATHOM_UP_Y && scene->has_camera && !asked->environment) {
         warn(scene->context, "%s: has its own camera, so --up has no effect", path);
     }
+    if ((asked->choose_azimuth || asked->choose_elevation) && scene->has_camera)
+        warn(scene->context, "%s: has its own camera, so --%s has no effect", path,
+             asked->choose_azimuth ? "azimuth" : "elevation");
     if (asked->no_studio && (scene->has_lights || scene->lights.count || scene->environments.count))
         warn(scene->context, "%s: has its own lights, so --no-studio has no effect", path);
     scene_warn_shape(scene, path);
@@ -379,6 +382,11 @@ static fathom_status check_options(fathom_context *context, const fathom_read_op
                           options->shutter);
     if (!(options->unit >= 0 && options->unit <= 1e15))
         return fail_field(context, FATHOM_BAD_USAGE, "unit", "is %g; expected metres, or 0", options->unit);
+    if (options->choose_azimuth && !isfinite(options->azimuth))
+        return fail_field(context, FATHOM_BAD_USAGE, "azimuth", "is %g; expected radians", options->azimuth);
+    if (options->choose_elevation && !(fabs(options->elevation) <= 1.5707963267948968))
+        return fail_field(context, FATHOM_BAD_USAGE, "elevation", "is %g; expected radians from -π/2 to π/2",
+                          options->elevation);
     if (options->framing && options->framing->size < sizeof *options->framing)
         return fail_field(context, FATHOM_BAD_USAGE, "framing",
                           "its size is %zu; expected that of the struct", options->framing->size);

@@ -88,6 +88,18 @@ UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
     assert_ok(context, fathom_scene_read_with(context, file, &options, &scene));
     expect_warning("a.json: has its own camera");
     fathom_scene_destroy(scene);
+    options.choose_elevation = true;
+    forget_warnings();
+    assert_ok(context, fathom_scene_read_with(context, file, &options, &scene));
+    expect_warning("so --elevation has no effect");
+    fathom_scene_destroy(scene);
+    options.elevation = 1.6;
+    assert_fails(context, fathom_scene_read_with(context, file, &options, &scene), FATHOM_BAD_USAGE,
+                 "elevation: is 1.6; expected radians");
+    options.choose_elevation = false, options.choose_azimuth = true, options.azimuth = INFINITY;
+    assert_fails(context, fathom_scene_read_with(context, file, &options, &scene), FATHOM_BAD_USAGE,
+                 "azimuth: is inf; expected radians");
+    options.choose_azimuth = false;
     forget_warnings();
     assert_ok(context, fathom_scene_read_with(context, model, &options, &scene));
     assert_string_equal(warned, "");

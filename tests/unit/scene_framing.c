@@ -286,14 +286,12 @@ UNIT_TEST(balls_touch_the_view) {
 
 /* How far a ball stays within the four sides of a framing's view; 0: it touches the side. */
 static void room_in(const fathom_framing *f, vec3_f64 center, double radius, double out[4]) {
-    const frame_f64 view = scene_default_view(f->up);
-    const vec3_f64 to = sub_f64(center, load_f64(f->eye));
+    const vec3_f64 to = sub_f64(center, load_f64(f->eye)), z = load_f64(f->axes[2]);
     for (int i = 0; i < 4; ++i) {
-        const vec3_f64 axis = i < 2 ? view.x : view.y;
+        const vec3_f64 axis = load_f64(f->axes[i / 2]);
         const double slope = f->slopes[i / 2];
         out[i] =
-            -dot_f64(to, madd_f64(i % 2 ? neg_f64(axis) : axis, slope, view.z)) / sqrt(1 + slope * slope) -
-            radius;
+            -dot_f64(to, madd_f64(i % 2 ? neg_f64(axis) : axis, slope, z)) / sqrt(1 + slope * slope) - radius;
     }
 }
 
@@ -393,6 +391,40 @@ UNIT_TEST(up_z_is_the_turned_scene) {
         vec3_f64 turned = affine_vector(&turn, load_f64(pairs[i][0])), expected = load_f64(pairs[i][1]);
         /* Roundings of products and sums below 32. */
         assert_near(length_f64(sub_f64(turned, expected)), 0, 32 * 64 * 0x1p-53);
+    }
+}
+
+static fathom_camera camera_from(fathom_up up, const double *azimuth, const double *elevation) {
+    fathom_read_options options = {.size = sizeof options, .up = up};
+    options.choose_azimuth = azimuth, options.azimuth = azimuth ? *azimuth : 0;
+    options.choose_elevation = elevation, options.elevation = elevation ? *elevation : 0;
+    scene = new_scene(context);
+    add_body(FATHOM_ROOT, (double[3]){0, 0, 0});
+    scene->asked = &options;
+    assert_ok(context, fathom_scene_complete(scene));
+    return scene->camera;
+}
+
+static void expect_axis(const double found[3], double x, double y, double z) {
+    assert_near(length_f64(sub_f64(load_f64(found), vec_f64(x, y, z))), 0, 16 * 0x1p-53);
+}
+
+/* From the right, from straight above with the front below, and by one angle alone. */
+UNIT_TEST(the_camera_goes_around_the_scene) {
+    const double none = 0, quarter = acos(0), azimuth = atan(0.45), elevation = atan(0.35 / hypot(0.45, 1));
+    fathom_camera c = camera_from(FATHOM_UP_Y, &quarter, &none);
+    expect_axis(c.z, 1, 0, 0), expect_axis(c.x, 0, 0, -1);
+    c = camera_from(FATHOM_UP_Z, &quarter, &none);
+    expect_axis(c.z, 1, 0, 0), expect_axis(c.x, 0, 1, 0);
+    c = camera_from(FATHOM_UP_Y, &none, &quarter);
+    expect_axis(c.z, 0, 1, 0), expect_axis(c.y, 0, 0, -1);
+    c = camera_from(FATHOM_UP_Z, &none, &quarter);
+    expect_axis(c.z, 0, 0, 1), expect_axis(c.y, 0, 1, 0);
+    const fathom_camera usual = camera_from(FATHOM_UP_Y, NULL, NULL);
+    for (int k = 0; k < 2; ++k) {
+        c = k ? camera_from(FATHOM_UP_Y, &azimuth, NULL) : camera_from(FATHOM_UP_Y, NULL, &elevation);
+        expect_axis(c.x, usual.x[0], usual.x[1], usual.x[2]);
+        expect_axis(c.z, usual.z[0], usual.z[1], usual.z[2]);
     }
 }
 

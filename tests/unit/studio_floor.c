@@ -101,6 +101,13 @@ static void assert_floorless(void) {
     assert_false(has_floor(scene));
 }
 
+UNIT_TEST(a_camera_below_sees_none) {
+    options.choose_elevation = true, options.elevation = -0.5;
+    assert_floorless();
+    options.elevation = 1.5;
+    assert_true(has_floor(read_model()));
+}
+
 UNIT_TEST(only_whoever_asks_gets_one) {
     options.floor = false;
     assert_floorless();

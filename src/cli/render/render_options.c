@@ -154,7 +154,7 @@ static const args_option own_options[] = {
 
     {.help = "Image"},
     COMMAND_MODEL(render_options),
-    COMMAND_UP(render_options),
+    COMMAND_VIEW(render_options),
     {"size", 0, "WxH", take_size, FIELD(size), 1, 65536,
      "size in pixels (the scene's; else the aspect ratio of its camera with 1280 on the longer "
      "side; else 1280x720)"},

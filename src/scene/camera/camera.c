@@ -134,15 +134,6 @@ fathom_status fathom_scene_set_camera_sized(fathom_scene *scene, const fathom_ca
 /* The scene fills this fraction of the image in the tighter direction. */
 static const double filled = 0.9;
 
-frame_f64 scene_default_view(fathom_up up) {
-    const vec3_f64 origin = {0, 0, 0};
-    switch (up) {
-    case FATHOM_UP_Y: return frame_from(origin, (vec3_f64){0.45, 0.35, 1}, (vec3_f64){0, 1, 0});
-    case FATHOM_UP_Z: return frame_from(origin, (vec3_f64){0.45, -1, 0.35}, (vec3_f64){0, 0, 1});
-    }
-    return frame_from(origin, (vec3_f64){0, 0, 1}, (vec3_f64){0, 1, 0});
-}
-
 bool scene_framing_asked(const fathom_scene *scene) {
     return scene->asked && scene->asked->framing && scene->asked->framing->made;
 }
@@ -153,9 +144,30 @@ vec3_f64 scene_way_up(const fathom_scene *scene) {
     return asked_up(scene) == FATHOM_UP_Z ? vec_f64(0, 0, 1) : vec_f64(0, 1, 0);
 }
 
+/* The axes of the automatic camera. By default it looks at the front of the scene from slightly right and
+ * above. From straight above it keeps the front below. */
+static frame_f64 view_of(const fathom_scene *scene) {
+    static const double right = 0.45, above = 0.35;
+    const fathom_read_options *asked = scene->asked;
+    const vec3_f64 origin = {0, 0, 0}, up = scene_way_up(scene);
+    const bool z_up = asked_up(scene) == FATHOM_UP_Z;
+    vec3_f64 back = z_up ? vec_f64(right, -1, above) : vec_f64(right, above, 1);
+    if (!asked || !(asked->choose_azimuth || asked->choose_elevation)) return frame_from(origin, back, up);
+    const double a = asked->choose_azimuth ? asked->azimuth : atan(right),
+                 e = asked->choose_elevation ? asked->elevation : atan(above / hypot(right, 1));
+    const vec3_f64 front = z_up ? vec_f64(0, -1, 0) : vec_f64(0, 0, 1),
+                   level = madd_f64(scale_f64(cos(a), front), sin(a), vec_f64(1, 0, 0));
+    back = madd_f64(scale_f64(cos(e), level), sin(e), up);
+    return frame_from(origin, back, madd_f64(scale_f64(cos(e), up), -sin(e), level));
+}
+
+static void keep_axes(const frame_f64 *view, fathom_framing *out) {
+    store_f64(out->axes[0], view->x), store_f64(out->axes[1], view->y), store_f64(out->axes[2], view->z);
+}
+
 static fathom_status frame_everything(fathom_scene *scene) {
     const image_size size = scene_image_size(scene);
-    frame_f64 view = scene_default_view(asked_up(scene));
+    frame_f64 view = view_of(scene);
     const double up = filled * tan(default_fovy / 2);
     fathom_framing found = {
         .made = true, .up = asked_up(scene), .slopes = {up * size.width / size.height, up}};
@@ -166,6 +178,7 @@ static fathom_status frame_everything(fathom_scene *scene) {
     else
         status = scene_frame_all(scene, &view, &empty, &found);
     if (status != FATHOM_OK || empty) return status;
+    keep_axes(&view, &found);
     scene->framing = found;
     view.origin = load_f64(found.eye);
     const double *shutter = scene->camera.shutter;

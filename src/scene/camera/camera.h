@@ -32,8 +32,6 @@ fathom_status scene_frame_all(const fathom_scene *scene, const frame_f64 *axes, 
  * cycle. *empty: nothing in the scene has bounds, and nothing else is set. */
 fathom_status scene_stand_all(const fathom_scene *scene, vec3_f64 up, bool *empty, fathom_framing *out);
 
-/* The axes of the automatic camera, which looks at the front of the scene from slightly right and above. */
-frame_f64 scene_default_view(fathom_up up);
 /* True when the read options give the position of the automatic camera and the floor. */
 bool scene_framing_asked(const fathom_scene *scene);
 
@@ -42,7 +40,7 @@ vec3_f64 scene_way_up(const fathom_scene *scene);
 
 /* Adds a floor below the scene (floor.c), as an object of its own. Does nothing unless the integrator is path
  * tracing, fathom_scene_complete() made the camera, and the camera sees the built-in studio or the
- * environment from the read options. */
+ * environment from the read options, from above the floor. */
 fathom_status scene_add_floor(fathom_scene *scene);
 
 /* ---- light ---- */

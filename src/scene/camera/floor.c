@@ -198,9 +198,11 @@ fathom_status scene_add_floor(fathom_scene *scene) {
     else
         status = scene_stand_all(scene, up, &empty, &found);
     if (status != FATHOM_OK || empty || !(found.radius > 0)) return status;
-    store_f64(scene->framing.foot, load_f64(found.foot));
-    scene->framing.radius = s.radius = found.radius;
+    s.radius = found.radius;
     s.foot = madd_f64(load_f64(found.foot), -gap * s.radius, up);
+    if (dot_f64(sub_f64(load_f64(scene->camera.origin), s.foot), up) <= 0) return FATHOM_OK;
+    store_f64(scene->framing.foot, load_f64(found.foot));
+    scene->framing.radius = s.radius;
     s.origin = length_f64(s.foot) <= near_world * s.radius ? (vec3_f64){0, 0, 0} : s.foot;
     status = add_grey(scene, &s.material);
     if (status != FATHOM_OK) return status;

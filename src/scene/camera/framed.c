@@ -29,13 +29,14 @@ bool fathom_scene_framed_times(const fathom_scene *scene, double out[2]) {
 /* An eye at e sees points up to e.x + s e.z on each side (framing.c). The new eye is at least as far away as
  * both. */
 static vec3_f64 unite_eyes(const fathom_framing *f, const fathom_framing *other) {
-    const frame_f64 view = scene_default_view(f->up);
-    double back = fmax(dot_f64(load_f64(f->eye), view.z), dot_f64(load_f64(other->eye), view.z)), middle[2];
+    const vec3_f64 z = load_f64(f->axes[2]);
+    double back = fmax(dot_f64(load_f64(f->eye), z), dot_f64(load_f64(other->eye), z)), middle[2];
     for (int i = 0; i < 2; ++i) {
         back = fmax(back, (f->reach[2 * i] + f->reach[2 * i + 1]) / (2 * f->slopes[i]));
         middle[i] = (f->reach[2 * i] - f->reach[2 * i + 1]) / 2;
     }
-    return madd_f64(madd_f64(scale_f64(back, view.z), middle[0], view.x), middle[1], view.y);
+    return madd_f64(madd_f64(scale_f64(back, z), middle[0], load_f64(f->axes[0])), middle[1],
+                    load_f64(f->axes[1]));
 }
 
 /* The common foot is as low as the lower one and lies between the two. The radius includes both. */
