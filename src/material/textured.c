@@ -183,6 +183,7 @@ static bool look_up(points *p, unsigned k) {
     }
     return any;
 }
+
 /* ---- blocks ---- */
 
 /* Lanes past the count repeat the last one. */
