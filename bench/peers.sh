@@ -1,7 +1,8 @@
 #!/bin/sh
 # Path tracing against Blender's Cycles: the same scenes and depth, no denoiser, no clamp, no adaptive sampling.
-# usage: BUILD=build/release sh bench/peers.sh [ROUNDS [SCENES]]     (default: 3 "box sky house")
-# Needs Debian's package blender, and installs it as root.
+# usage: BUILD=build/release sh bench/peers.sh [ROUNDS [SCENES]]     (default: 3 "box sky house still"; ROUNDS: at least 2)
+# Needs Debian's package blender, and for "still", the still life as .glb, those of scenes/still-life.sh. Installs them as
+# root.
 # The time of a sample is that of the samples by which one render is longer than another, so that reading and building
 # count in neither. The build of 8 M triangles takes Blender some 14 s, and varies by more than 16 samples take: under
 # the sky the longer render has 256 samples more. The noise is that of two seeds: RMS difference / sqrt 2. Equal-error
@@ -9,7 +10,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 program=$(cd "${BUILD:-build/release}" && pwd)/bin/fathom
-rounds=${1:-3} scenes=${2:-box sky house}
+rounds=${1:-3} scenes=${2:-box sky house still}
 command -v blender >/dev/null || apt-get install -y --no-install-recommends blender
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
@@ -31,6 +32,21 @@ cat >"$folder/box.json" <<'JSON'
     { "type": "quad", "center": [0, 1.99, 0], "u": [0.6, 0, 0], "v": [0, 0, 0.6], "material": "lamp" } ] }
 JSON
 python3 bench/house.py 3 4 >"$folder/house.json"
+case $scenes in *still*)
+    sh tests/packages.sh scenes
+    /usr/bin/python3 -B scenes/still-life/make.py "$folder/still-life"
+    "$program" convert "$folder/still-life/still-life.json" "$folder/still.glb" --quiet 2>"$folder/lost"
+    python3 - "$folder" <<'PYTHON' ;;
+import json, sys
+with open(sys.argv[1] + "/still-life/still-life.json") as file:
+    scene = json.load(file)
+camera = {key: scene["camera"][key] for key in ("eye", "target", "fovy")}
+image = {"integrator": "path", "width": 480, "height": 270, "spp": 64, "maxDepth": 16}
+with open(sys.argv[1] + "/still.json", "w") as file:
+    json.dump({"image": image, "camera": camera, "background": scene["background"],
+               "objects": [{"type": "mesh", "file": "still.glb"}]}, file)
+PYTHON
+esac
 cat >"$folder/sky.json" <<'JSON'
 { "image": { "integrator": "path", "width": 960, "height": 540, "spp": 16, "maxDepth": 6 },
   "camera": { "eye": [0.9, 0.9, 0.5], "target": [0, 0, 0], "up": [0, 0, 1], "fovy": 40 },

@@ -1,8 +1,8 @@
 """Renders one of Fathom's scene files with Blender's Cycles: blender -b --factory-startup -P cycles.py -- SCENE.json
 OUT.exr SPP SEED THREADS. Prints "seconds S", the time of the render call.
 
-It knows quads, meshes in files, the materials kd, ke and metallicRoughness without extensions, a constant background
-and a camera by eye and target, and refuses everything else. Nothing is clamped, denoised or sampled adaptively."""
+It knows quads, meshes in PLY files and whole .glb files, the materials kd, ke and metallicRoughness without extensions,
+a constant background and a camera by eye and target, and refuses everything else. Nothing is clamped, denoised or sampled adaptively."""
 import json
 import math
 import os
@@ -10,7 +10,10 @@ import sys
 import time
 
 import bpy
+import numpy
 from mathutils import Matrix, Vector
+
+numpy.bool = bool  # Debian's importer of 3.4 names it so, and Debian's numpy has no such name any more
 
 scene_path, out, spp, seed, threads = sys.argv[sys.argv.index("--") + 1:]
 scene = json.load(open(scene_path))
@@ -61,13 +64,18 @@ def add(mesh, name, made):
 
 for thing in list(bpy.data.objects):
     bpy.data.objects.remove(thing)
-materials = {name: material(name, m) for name, m in scene["materials"].items()}
+materials = {name: material(name, m) for name, m in scene.get("materials", {}).items()}
 for thing in scene["objects"]:
     if thing["type"] == "quad":
         c, u, v = (Vector(thing[key]) for key in ("center", "u", "v"))
         mesh = bpy.data.meshes.new("quad")
         mesh.from_pydata([c - u - v, c + u - v, c + u + v, c - u + v], [], [(0, 1, 2, 3)])
         add(mesh, "quad", materials[thing["material"]])
+    elif thing["type"] == "mesh" and thing["file"].endswith(".glb"):
+        bpy.ops.import_scene.gltf(filepath=os.path.join(folder, thing["file"]))
+        y_up = Matrix(((1, 0, 0), (0, 0, 1), (0, -1, 0))).to_4x4()  # as in the file, undoing the importer's turn
+        for root in (made for made in bpy.context.selected_objects if not made.parent):
+            root.matrix_world = y_up @ root.matrix_world
     elif thing["type"] == "mesh":
         bpy.ops.import_mesh.ply(filepath=os.path.join(folder, thing["file"]))
         made = bpy.context.selected_objects[0]
