@@ -1,6 +1,6 @@
 #!/bin/sh
 # Path tracing against Blender's Cycles: the same scenes and depth, no denoiser, no clamp, no adaptive sampling.
-# usage: BUILD=build/release sh bench/peers.sh [ROUNDS [SCENES]]     (default: 3 "box sky house still"; ROUNDS: at least 2)
+# usage: BUILD=build/release sh bench/peers.sh [ROUNDS [SCENES]]     (default: 3, at least 2; "box sky house still")
 # Needs Debian's package blender, and for "still", the still life as .glb, those of scenes/still-life.sh. Installs them as
 # root.
 # The time of a sample is that of the samples by which one render is longer than another, so that reading and building
@@ -9,6 +9,7 @@
 # time is time × noise², as a ratio.
 set -eu
 cd "$(dirname "$0")/.."
+[ "${1:-3}" -ge 2 ] || { echo "peers.sh: expected at least 2 rounds: the noise is that of two seeds" >&2; exit 2; }
 program=$(cd "${BUILD:-build/release}" && pwd)/bin/fathom
 rounds=${1:-3} scenes=${2:-box sky house still}
 command -v blender >/dev/null || apt-get install -y --no-install-recommends blender

@@ -2,7 +2,8 @@
 OUT.exr SPP SEED THREADS. Prints "seconds S", the time of the render call.
 
 It knows quads, meshes in PLY files and whole .glb files, the materials kd, ke and metallicRoughness without extensions,
-a constant background and a camera by eye and target, and refuses everything else. Nothing is clamped, denoised or sampled adaptively."""
+a constant background and a camera by eye and target, and refuses everything else. Nothing is clamped, denoised or sampled
+adaptively."""
 import json
 import math
 import os

@@ -1,4 +1,4 @@
-/* What the tables of albedos integrate: light by visible GGX facets. */
+/* The integrals behind the tables of albedos: light by visible GGX facets. */
 #pragma once
 
 #include "material/energy.h"
@@ -13,7 +13,7 @@ typedef struct energy_view {
 typedef struct energy_kernels {
     /* The albedo of facets that reflect all light [0], and the same with the factor (1 - v·h)^5 [1]. */
     void (*mirror)(const energy_view *view, float out[2]);
-    /* Of facets that reflect and refract: the parts of an albedo f0 [0] + f90 [1] + [2], for Schlick's
+    /* The parts of an albedo f0 [0] + f90 [1] + [2] of facets that reflect and refract, for Schlick's
      * reflectance, with the factor 1 at total reflection. eta: index of the far side divided by that of the
      * viewer's side. */
     void (*glass)(const energy_view *view, float eta, float out[3]);

@@ -314,8 +314,7 @@ static fathom_status check_asked(const fathom_scene *scene, const char *path) {
         warn(scene->context, "%s: has its own camera, so --up has no effect", path);
     }
     if ((asked->choose_azimuth || asked->choose_elevation) && scene->has_camera)
-        warn(scene->context, "%s: has its own camera, so --%s has no effect", path,
-             asked->choose_azimuth ? "azimuth" : "elevation");
+        warn(scene->context, "%s: has its own camera, so --azimuth and --elevation have no effect", path);
     if (asked->no_studio && (scene->has_lights || scene->lights.count || scene->environments.count))
         warn(scene->context, "%s: has its own lights, so --no-studio has no effect", path);
     scene_warn_shape(scene, path);

@@ -91,7 +91,7 @@ UNIT_TEST(what_a_file_lacks_is_not_passed_over) {
     options.choose_elevation = true;
     forget_warnings();
     assert_ok(context, fathom_scene_read_with(context, file, &options, &scene));
-    expect_warning("so --elevation has no effect");
+    expect_warning("so --azimuth and --elevation have no effect");
     fathom_scene_destroy(scene);
     options.elevation = 1.6;
     assert_fails(context, fathom_scene_read_with(context, file, &options, &scene), FATHOM_BAD_USAGE,

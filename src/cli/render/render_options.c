@@ -172,7 +172,7 @@ static const args_option own_options[] = {
      "screen"},
     {"no-floor", 0, NULL, take_true, FIELD(no_floor), 0, 0,
      "do not add the floor that a model gets with the automatic camera and the built-in studio or "
-     "--environment; there is never one with --background or the AOV alpha"},
+     "--environment; there is never one with --background or the AOV alpha, nor above the camera"},
 
     {.help = "Sampling to an error or a time (with the pattern sobol)"},
 
