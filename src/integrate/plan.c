@@ -1,5 +1,6 @@
 #include "integrate/plan.h"
 
+#include "integrate/caustics/caustics.h"
 #include "integrate/integrator.h"
 #include "integrate/reference/reference.h"
 #include "light/light.h"
@@ -108,7 +109,8 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan, cons
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan_depths(plan);
-    return path_scout_lights(context, plan, stop);
+    status = path_scout_lights(context, plan, stop);
+    return status == FATHOM_OK ? caustics_create(context, plan, stop, &plan->caustics) : status;
 }
 
 /* ---- the reference ---- */
@@ -287,6 +289,7 @@ void plan_destroy(render_plan *plan) {
     free(plan->bsdfs);
     free(plan->shaders);
     emitters_destroy(plan->emitters);
+    caustics_destroy(plan->caustics);
     reference_close(plan->reference);
     texturing_destroy(plan->texturing);
     free(plan);

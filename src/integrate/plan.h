@@ -42,14 +42,15 @@ typedef struct render_plan {
     sampler sampler;
     shade_camera camera;
     pixel_filter filter;
-    shader *shaders;          /* by material; path tracing */
-    texturing *texturing;     /* NULL: no material varies over a surface */
-    bool moves, camera_moves; /* path tracing: something moves while the shutter is open; the camera does */
-    trace_approach approach;  /* set if `far`: camera rays start just before the scene, */
-    bool far;                 /* because the camera is far away */
-    float pixel_spread;       /* angle of the cone around a camera ray, */
-    float pixel_width;        /* and its radius at the origin */
-    emitters *emitters;       /* path tracing */
+    shader *shaders;           /* by material; path tracing */
+    texturing *texturing;      /* NULL: no material varies over a surface */
+    bool moves, camera_moves;  /* path tracing: something moves while the shutter is open; the camera does */
+    trace_approach approach;   /* set if `far`: camera rays start just before the scene, */
+    bool far;                  /* because the camera is far away */
+    float pixel_spread;        /* angle of the cone around a camera ray, */
+    float pixel_width;         /* and its radius at the origin */
+    emitters *emitters;        /* path tracing */
+    struct caustics *caustics; /* path tracing; NULL: there are none */
     struct reference_scene *reference; /* the reference integrator */
     bsdf *bsdfs;                       /* by material; classic integrator, as are lights and light_count */
     shade_light *lights;
@@ -76,9 +77,11 @@ typedef struct render_plan {
     eye_volumes eye_volumes;          /* around the camera, if paths track volumes */
     bool volumes_differ;              /* camera rays may start in different ones */
     bool dispersive;                  /* some volume disperses light */
-    bool covered;    /* path tracing: light may pass some surface straight, or volumes have priorities */
-    bool one_sided;  /* path tracing: the camera looks through the back of some surface */
-    bool panes;      /* path tracing: some surface may be a clear thin wall */
+    bool covered;   /* path tracing: light may pass some surface straight, or volumes have priorities */
+    bool one_sided; /* path tracing: the camera looks through the back of some surface */
+    bool to_camera; /* for photons: shadow rays lead to the camera, which looks through the backs of one-sided
+                       surfaces */
+    bool panes;     /* path tracing: some surface may be a clear thin wall */
     bool unshadowed; /* path tracing: some shape casts no shadow */
 } render_plan;
 

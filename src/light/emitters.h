@@ -71,6 +71,12 @@ bool emitters_move(const emitters *e);
 /* u: three numbers in [0,1) per lane; the third chooses the light, and is read if emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
+/* True if a sample's light of the class EMITTER_FINITE is a lamp: a point or spot light, with a radius or
+ * without. */
+bool emitters_is_lamp(const emitters *e, const emitter_sample *sample, unsigned i);
+/* True if some light from outside comes from an image of a sky. */
+bool emitters_any_skies(const emitters *e);
+
 /* MIS multiplies the densities of light samples by this factor before it computes weights. */
 float emitters_mis_factor(const emitters *e);
 

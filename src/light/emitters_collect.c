@@ -325,6 +325,8 @@ bool emitters_any_outside(const emitters *e) {
     return from_outside(e) || (e->shares.of[EMITTER_DIRECTIONAL] > 0 && e->disc_count);
 }
 
+bool emitters_any_skies(const emitters *e) { return e->sky_count > 0; }
+
 bool emitters_choose_finite(const emitters *e) { return e->finite_count > 1; }
 
 bool emitters_move(const emitters *e) { return e->moving; }

@@ -3,7 +3,8 @@
  * clamped, so the mean of the samples is the arriving light.
  *
  * A path has one slot and never splits, so its state is stored there. */
-#include "integrate/path/path.h"
+#include "integrate/caustics/caustics.h"
+#include "math/limit.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,22 +14,15 @@ static bool is_done(const path_wave *p, uint32_t slot) {
     return path_scattered(p, slot) >= p->wave.run.plan->max_depth;
 }
 
-/* The samples that the vertices of a block belong to. */
-typedef struct vertex_keys {
-    uint64_t pixel[LANES];
-    uint32_t index[LANES];
-} vertex_keys;
-
-static void find_keys(const path_wave *p, const vertex_block *v, vertex_keys *out) {
+void path_find_keys(const path_wave *p, const vertex_block *v, vertex_keys *out) {
     for (int i = 0; i < LANES; ++i) {
         out->pixel[i] = p->pixel[v->path.slot[i]];
         out->index[i] = p->index[v->path.slot[i]];
     }
 }
 
-/* Two random numbers for each vertex, and a third one if there is a choice; else it is 0. */
-static void numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, bool choice,
-                    lanes3 u) {
+void path_numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, bool choice,
+                  lanes3 u) {
     const sample_kernels *kernels = p->wave.run.plan->sample_kernels;
     const sample_dimension dimension = sample_at_vertex(p->depth, purpose);
     if (choice) {
@@ -55,15 +49,14 @@ static uint32_t seen_lanes(const path_wave *p, const vertex_block *v) {
     return seen;
 }
 
-/* Sets the shaders at the points. */
-static void find_shaders(path_wave *p, vertex_block *v) {
+void path_find_shaders(path_wave *p, vertex_block *v, const float *given) {
     wave *w = &p->wave;
     const render_plan *plan = w->run.plan;
     float width[LANES], around[LANES];
     for (int i = 0; i < LANES; ++i) v->shader.at[i] = &plan->shaders[v->surface.material[i]];
     const uint32_t hidden = plan->nested ? path_meet_volumes(p, v, around) : 0;
     if (plan->texturing) {
-        for (unsigned i = 0; i < LANES; ++i) width[i] = width_at(p, v, i);
+        for (unsigned i = 0; i < LANES; ++i) width[i] = given ? given[i] : width_at(p, v, i);
         texturing_shade(plan->texturing, w->gather, width, seen_lanes(p, v), plan->nested ? around : NULL,
                         &v->surface, w->made[v - w->vertices], v->shader.at);
     }
@@ -76,7 +69,7 @@ static void begin_vertices(wave *w, vertex_block *v) {
     path_wave *p = (path_wave *)w;
     const render_plan *plan = w->run.plan;
     if (p->media) path_absorb(p, v);
-    find_shaders(p, v);
+    path_find_shaders(p, v, NULL);
     plan->shader_kernels->make(&v->surface, &v->shader);
     for (unsigned i = 0; i < v->surface.count; ++i) {
         const shader *s = v->shader.at[i];
@@ -140,7 +133,7 @@ static void push_light(path_wave *p, const vertex_block *v, const vertex_keys *k
     float density[LANES];
     uint32_t behind[LANES], done[LANES];
     shadow_depths depths;
-    numbers(p, keys, SAMPLE_LIGHT, emitters_choose(plan->emitters), u);
+    path_numbers(p, keys, SAMPLE_LIGHT, emitters_choose(plan->emitters), u);
     ask(p, v, &query);
     emitters_sample(plan->emitters, &query, u, &light);
     plan->shader_kernels->evaluate(&v->surface, &v->shader, light.direction, f, density);
@@ -171,6 +164,24 @@ static void widen_cone(path_wave *p, const vertex_block *v, const shader_sample 
     if (to->density[i] < INFINITY) p->spread[slot] += CONE_PART / sqrtf(to->density[i]);
 }
 
+/* A chain has a positive density while its last vertex is smooth, else a negative one. */
+static void follow_chain(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i,
+                         uint32_t slot) {
+    const render_plan *plan = p->wave.run.plan;
+    const float before = fabsf(p->chain[slot]), d = to->density[i];
+    const bool smooth = !(d < INFINITY);
+    if (!path_scattered(p, slot))
+        p->chain[slot] = -caustic_chain(p, v, to, i, slot);
+    else if (!(before > 0) || !(smooth ? caustic_follows(v, to, i) : caustic_bounces(plan, v, to, i)))
+        p->chain[slot] = 0;
+    else if (smooth)
+        p->chain[slot] =
+            limited(before * caustic_stretch(v, lane_f32(to->direction, i), lane_f32(v->surface.v, i), i));
+    else
+        p->chain[slot] = -limited(
+            before * caustic_step(d, dot_f32(lane_f32(v->surface.ng, i), lane_f32(to->direction, i))));
+}
+
 /* Records the vertex that the ray leaves. If the ray passes straight through, this is not a vertex: the next
  * hit is weighted as if the ray came from the previous vertex. */
 static void leave_vertex(path_wave *p, const vertex_block *v, const shader_sample *to, unsigned i,
@@ -187,6 +198,7 @@ static void leave_vertex(path_wave *p, const vertex_block *v, const shader_sampl
         if (hidden) p->density[slot] = INFINITY;
         return;
     }
+    if (p->wave.run.plan->caustics) follow_chain(p, v, to, i, slot);
     p->p[0][slot] = at.x, p->p[1][slot] = at.y, p->p[2][slot] = at.z;
     p->n[0][slot] = n.x, p->n[1][slot] = n.y, p->n[2][slot] = n.z;
     p->density[slot] = to->density[i];
@@ -234,9 +246,8 @@ static void clip_passes(const path_wave *p, const vertex_block *v, const shader_
     }
 }
 
-/* lanes: bits of the lanes that continue. */
-static void push_lanes(path_wave *p, const vertex_block *v, const shader_sample *to, path_block *path,
-                       uint32_t lanes) {
+void path_push_lanes(path_wave *p, const vertex_block *v, const shader_sample *to, path_block *path,
+                     uint32_t lanes) {
     trace_rays rays;
     uint32_t crossed = 0;
     p->wave.run.plan->path_kernels->depart(&v->surface, to, p->wave.run.plan->t_near, &rays);
@@ -269,8 +280,7 @@ static void pass_alone(const path_wave *p, vertex_block *v) {
     }
 }
 
-/* Where channels separate, only one continues. */
-static void part_paths(path_wave *p, const vertex_block *v, const shader_sample *to, lanes3 weight) {
+void path_part_paths(path_wave *p, const vertex_block *v, const shader_sample *to, lanes3 weight) {
     for (unsigned i = 0; i < v->surface.count; ++i) {
         float rgb[3] = {weight[0][i], weight[1][i], weight[2][i]};
         if (to->straight[i] || !path_part_channels(p, v, i, to->through[i] != 0, rgb)) continue;
@@ -286,7 +296,7 @@ static uint32_t survive(const path_wave *p, const vertex_keys *keys, const shade
     lanes3 chance;
     uint32_t safe[LANES];
     if (p->depth < ROULETTE_FROM) return kernels->survive(NULL, NULL, weight);
-    numbers(p, keys, SAMPLE_ROULETTE, false, chance);
+    path_numbers(p, keys, SAMPLE_ROULETTE, false, chance);
     for (int i = 0; i < LANES; ++i) safe[i] = to->density[i] < INFINITY ? 0 : to->through[i];
     return kernels->survive(chance[0], safe, weight);
 }
@@ -296,14 +306,14 @@ static void push_paths(path_wave *p, vertex_block *v, const vertex_keys *keys) {
     lanes3 u;
     shader_sample to;
     path_block path;
-    numbers(p, keys, SAMPLE_SCATTER, v->shader.lobes != SHADER_DIFFUSE, u);
+    path_numbers(p, keys, SAMPLE_SCATTER, v->shader.lobes != SHADER_DIFFUSE, u);
     if (p->wave.passing) pass_alone(p, v);
     plan->shader_kernels->sample(&v->surface, &v->shader, u, &to);
     if (p->wave.run.samples.first && p->depth) path_show_features(p, v, &to);
     plan->path_kernels->carry(&v->path, &to, path.weight);
-    if (plan->dispersive) part_paths(p, v, &to, path.weight);
+    if (plan->dispersive) path_part_paths(p, v, &to, path.weight);
     const uint32_t lanes = survive(p, keys, &to, path.weight) & ((1u << v->surface.count) - 1);
-    if (lanes) push_lanes(p, v, &to, &path, lanes);
+    if (lanes) path_push_lanes(p, v, &to, &path, lanes);
 }
 
 /* Fills `next` with scattered rays, and samples lights. */
@@ -315,7 +325,7 @@ static void scatter(wave *w, vertex_block *v) {
         if (w->run.samples.first && p->depth) path_show_features(p, v, NULL);
         return;
     }
-    find_keys(p, v, &keys);
+    path_find_keys(p, v, &keys);
     if (p->lit) push_light(p, v, &keys);
     push_paths(p, v, &keys);
 }
@@ -366,6 +376,7 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     p->light_factor = emitters_mis_factor(w->run.plan->emitters);
     p->looked_through = false;
     path_begin(p, batch);
+    if (w->run.plan->caustics) caustics_add(w->run.plan->caustics, w, batch);
     if (!wave_camera_rays(w, region, batch)) return false;
     path_begin_rays(p);
     for (p->depth = 0; w->now.count; ++p->depth) {
@@ -375,31 +386,37 @@ static bool run(integration *state, const wave_region *region, const wave_batch 
     return true;
 }
 
-static void destroy(integration *state) {
-    if (!state) return;
-    path_wave *p = (path_wave *)state;
+static void destroy(integration *state) { path_wave_destroy((path_wave *)state); }
+
+void path_wave_destroy(path_wave *p) {
+    if (!p) return;
     free(p->media);
     wave_destroy(&p->wave);
     free(p);
 }
 
-static integration *create(const render_plan *plan, const atomic_bool *stop) {
+path_wave *path_wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages) {
     path_wave *p = calloc(1, sizeof *p);
-    if (!p || !wave_create(plan, stop, &path_stages, &p->wave)) {
+    if (!p || !wave_create(plan, stop, stages, &p->wave)) {
         free(p);
         return NULL;
     }
     shader_prepare_hole(&p->hidden);
     if ((plan->absorbs || plan->nested) && !(p->media = media_create(plan->shaders))) {
-        destroy(&p->wave.run);
+        path_wave_destroy(p);
         return NULL;
     }
     if (plan->moves &&
         (!(p->wave.times = calloc(WAVE_SLOTS, sizeof *p->wave.times)) || !wave_create_vectors(&p->wave))) {
-        destroy(&p->wave.run);
+        path_wave_destroy(p);
         return NULL;
     }
-    return &p->wave.run;
+    return p;
+}
+
+static integration *create(const render_plan *plan, const atomic_bool *stop) {
+    path_wave *p = path_wave_create(plan, stop, &path_stages);
+    return p ? &p->wave.run : NULL;
 }
 
 const integrator integrator_path = {create, run, destroy};

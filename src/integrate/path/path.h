@@ -36,7 +36,11 @@ typedef struct path_wave {
     uint8_t channel[WAVE_SLOTS]; /* the one channel that the path carries, from 1; 0: all three */
     shader hidden; /* of surfaces inside a volume of a higher priority, and of backs that the camera does not
                       see */
-    path_scout *scout; /* set for scout paths, which record what light samples see; else NULL */
+    /* Only with caustics: the density of the path as a chain, see caustic_chain(). 0: photons do not find it,
+     * or it is none. */
+    float chain[WAVE_SLOTS];
+    struct photon_wave *photons; /* set for paths of photons; else NULL */
+    path_scout *scout;           /* set for scout paths, which record what light samples see; else NULL */
 } path_wave;
 
 static inline vec3_f32 of_slot(const float from[3][WAVE_SLOTS], uint32_t slot) {
@@ -54,6 +58,28 @@ static inline bool path_in_view(const path_wave *p, uint32_t slot) {
 }
 
 static inline bool path_sends_light(const shader *s) { return rgb_any(s->emission); }
+
+/* ---- path.c ---- */
+
+/* Release with path_wave_destroy(). NULL: out of memory. */
+path_wave *path_wave_create(const render_plan *plan, const atomic_bool *stop, const wave_stages *stages);
+void path_wave_destroy(path_wave *p);
+
+/* The samples that the vertices of a block belong to. */
+typedef struct vertex_keys {
+    uint64_t pixel[LANES];
+    uint32_t index[LANES];
+} vertex_keys;
+void path_find_keys(const path_wave *p, const vertex_block *v, vertex_keys *out);
+/* Two random numbers for each vertex, and a third one if there is a choice; else it is 0. */
+void path_numbers(const path_wave *p, const vertex_keys *keys, sample_purpose purpose, bool choice, lanes3 u);
+/* Sets the shaders at the points. width: of the cones there; NULL: those of the paths. */
+void path_find_shaders(path_wave *p, vertex_block *v, const float *width);
+/* Where channels separate, only one continues. */
+void path_part_paths(path_wave *p, const vertex_block *v, const shader_sample *to, lanes3 weight);
+/* Appends scattered rays to `next`. lanes: bits of the lanes that continue. */
+void path_push_lanes(path_wave *p, const vertex_block *v, const shader_sample *to, path_block *path,
+                     uint32_t lanes);
 
 /* ---- path_scout.c ---- */
 

@@ -26,6 +26,7 @@ void path_begin(path_wave *p, const wave_batch *batch) {
     fill(p->width, count, plan->pixel_width);
     fill(p->spread, count, plan->pixel_spread);
     fill(p->passed, count, 0);
+    if (plan->caustics) fill(p->chain, count, 0);
     memset(p->passes, 0, count * sizeof *p->passes);
     memset(p->paned, 0, count * sizeof *p->paned);
     for (size_t k = 0; p->wave.run.samples.first && k < count; ++k) {

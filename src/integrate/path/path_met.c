@@ -1,6 +1,6 @@
 /* Adds the light that path rays meet: from lamps on the way, and at their ends emission or light from
  * outside, weighted against light samples. Fills in the AOVs. */
-#include "integrate/path/path.h"
+#include "integrate/caustics/caustics.h"
 #include "math/limit.h"
 
 #include <math.h>
@@ -10,7 +10,8 @@
 typedef struct met_light {
     float radiance[3], density; /* density: of its direction among light samples */
     uint8_t group;
-    bool sky; /* as in path_share() */
+    bool sky;    /* as in path_share() */
+    float chain; /* the share of a chain that photons find, too; else 1 */
     vec3_f32 direction;
 } met_light;
 
@@ -18,12 +19,25 @@ static void add_light(path_wave *p, uint32_t slot, const path_block *path, unsig
     const float share = path_share(p->density[slot], p->light_factor * met->density, met->sky ? ~0u : 0);
     float rgb[3];
     for (int c = 0; c < 3; ++c) {
-        rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * share));
+        rgb[c] = limited(path->weight[c][i] * (met->radiance[c] * (share * met->chain)));
         p->wave.run.samples.radiance[c][slot] += rgb[c];
     }
     if (!p->wave.run.samples.layers) return;
     const light_tag tag = {(uint8_t)light_kind_of(path_scattered(p, slot)), met->group};
     wave_add_layers(&p->wave, slot, tag, met->direction, rgb);
+}
+
+/* The ray of this slot ends a chain at a light, and a photon may have come the same way. */
+static bool ends_chain(const path_wave *p, uint32_t slot, vec3_f32 direction, double distance,
+                       caustic_entry *out) {
+    const caustics *c = p->wave.run.plan->caustics;
+    return c && p->chain[slot] > 0 &&
+           caustic_enter(c, widen(of_slot(p->p, slot)), widen(direction), distance, out);
+}
+
+static float chain_share(const path_wave *p, uint32_t slot, const caustic_entry *at, float density) {
+    return (float)caustic_share(p->wave.run.plan->caustics, (double)p->chain[slot],
+                                at->density * (double)density);
 }
 
 /* Finds the light from outside for the lanes whose bits are set, and its densities. */
@@ -48,23 +62,53 @@ static void add_suns(path_wave *p, uint32_t slot, const path_block *path, unsign
         emitter_disc disc;
         if (!emitters_disc(e, k, of_slot(p->p, slot), of_slot(p->n, slot), direction, &disc)) continue;
         if (!(disc.density > 0) && p->density[slot] < INFINITY) continue;
-        met_light met = {.density = disc.density, .group = disc.group, .direction = direction};
+        met_light met = {.density = disc.density, .group = disc.group, .chain = 1, .direction = direction};
         for (int c = 0; c < 3; ++c) met.radiance[c] = disc.radiance[c] * left[c];
+        caustic_entry at;
+        if (ends_chain(p, slot, direction, INFINITY, &at) &&
+            emitters_disc(e, k, at.p, at.n, direction, &disc))
+            met.chain = chain_share(p, slot, &at, disc.density);
         add_light(p, slot, path, i, &met);
+    }
+}
+
+/* The shares of chains that end at images of skies. */
+static void share_skies(const path_wave *p, const trace_block *block, const path_block *path, uint32_t lanes,
+                        float share[LANES]) {
+    const caustics *c = p->wave.run.plan->caustics;
+    caustic_entry at[LANES];
+    lanes3 from, n, direction, radiance;
+    float density[LANES];
+    uint32_t chains = 0;
+    for (unsigned i = 0; i < LANES; ++i) share[i] = 1;
+    for (; c && c->images && lanes; lanes &= lanes - 1) {
+        const unsigned i = lane_first(lanes);
+        const vec3_f32 to = trace_dir(&block->rays, i);
+        if (!ends_chain(p, path->slot[i], to, INFINITY, &at[i])) continue;
+        put_lane_f32(from, i, at[i].p), put_lane_f32(n, i, at[i].n), put_lane_f32(direction, i, to);
+        chains |= 1u << i;
+    }
+    if (!chains) return;
+    emitters_outside(p->wave.run.plan->emitters, chains, from, n, direction, radiance, density);
+    for (; chains; chains &= chains - 1) {
+        const unsigned i = lane_first(chains);
+        share[i] = chain_share(p, path->slot[i], &at[i], density[i]);
     }
 }
 
 void path_add_outside(wave *w, const trace_block *block, const path_block *path, uint32_t missed) {
     path_wave *p = (path_wave *)w;
     lanes3 radiance;
-    float density[LANES];
+    float density[LANES], share[LANES];
     look_outside(p, block, path, missed, radiance, density);
+    share_skies(p, block, path, missed, share);
     for (; missed; missed &= missed - 1) {
         const unsigned i = lane_first(missed);
         float left[3] = {1, 1, 1};
         if (p->media) media_left(p->media, path->slot[i], INFINITY, left);
         met_light met = {.sky = true,
                          .density = density[i],
+                         .chain = share[i],
                          .group = emitters_outside_group(w->run.plan->emitters),
                          .direction = trace_dir(&block->rays, i)};
         for (int c = 0; c < 3; ++c) met.radiance[c] = radiance[c][i] * left[c];
@@ -87,7 +131,7 @@ static void add_lamp(void *user, const emitter_disc *lamp) {
     const way_of_lane *way = user;
     path_wave *p = way->p;
     const uint32_t slot = way->path->slot[way->i];
-    met_light met = {.density = lamp->density, .group = lamp->group, .direction = way->direction};
+    met_light met = {.density = lamp->density, .group = lamp->group, .chain = 1, .direction = way->direction};
     float left[3] = {1, 1, 1};
     if (p->media) media_left(p->media, slot, lamp->distance - p->passed[slot], left);
     for (int c = 0; c < 3; ++c) met.radiance[c] = lamp->radiance[c] * left[c];
@@ -123,11 +167,17 @@ void path_add_emission(path_wave *p, const vertex_block *v, unsigned i, const sh
                              .instance = g->instance[i],
                              .time = p->wave.times ? p->wave.times[slot] : 0,
                              .inside = !v->surface.entering[i]};
-    met_light met = {.group = wave_hit_group(&p->wave, i)};
+    const vec3_f32 direction = neg_f32(lane_f32(v->surface.v, i)),
+                   way = sub_f32(lane_f32(v->surface.p, i), of_slot(p->p, slot));
+    met_light met = {.group = wave_hit_group(&p->wave, i), .chain = 1};
+    caustic_entry at;
     memcpy(met.radiance, s->emission, sizeof met.radiance);
     if (p->density[slot] < INFINITY)
         met.density = emitters_hit_density(p->wave.run.plan->emitters, of_slot(p->p, slot),
-                                           of_slot(p->n, slot), neg_f32(lane_f32(v->surface.v, i)), &hit);
+                                           of_slot(p->n, slot), direction, &hit);
+    else if (ends_chain(p, slot, direction, (double)sqrtf(dot_f32(way, way)), &at))
+        met.chain = chain_share(
+            p, slot, &at, emitters_hit_density(p->wave.run.plan->emitters, at.p, at.n, direction, &hit));
     add_light(p, slot, &v->path, i, &met);
 }
 

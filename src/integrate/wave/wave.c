@@ -59,7 +59,7 @@ bool wave_reserve_shadows(wave *w, size_t count) {
     bool ok = grow_pair(w, &pair, &queue->capacity, 0, count);
     queue->rays = pair.items[0], queue->shadows = pair.items[1];
     if (!ok || queue->capacity == before) return ok;
-    if (w->run.plan->covered || w->run.plan->unshadowed) {
+    if (wave_walks(w->run.plan)) {
         free(queue->ends);
         queue->ends = malloc(queue->capacity * sizeof *queue->ends);
         w->run.out_of_memory |= !queue->ends;

@@ -184,7 +184,11 @@ bool wave_create_vectors(wave *w);
 void wave_keep_vectors(wave *w, unsigned i, uint32_t slot);
 void wave_keep_far_vectors(wave *w, vec3_f32 direction, uint32_t slot);
 
-/* Shadow rays that are walked; see wave_walk.c. Before tracing: keeps their lengths. False: out of memory. */
+/* Some shadow rays are walked; see wave_walk.c. */
+static inline bool wave_walks(const render_plan *plan) {
+    return plan->covered || plan->unshadowed || plan->to_camera;
+}
+/* Before tracing: keeps their lengths. False: out of memory. */
 bool wave_note_ends(wave *w);
 /* After tracing: moves the rays to walk into `now`; in the queue they count as occluded from then on. */
 void wave_take_shadows(wave *w);

@@ -120,7 +120,7 @@ static void add_seen_layers(wave *w) {
 bool wave_cast_shadows(wave *w, trace_coherence coherence) {
     shadow_queue *queue = &w->shadows;
     const size_t piece = trace_piece(w->run.plan->tracer);
-    const bool walks = w->run.plan->covered || w->run.plan->unshadowed;
+    const bool walks = wave_walks(w->run.plan);
     close_queue(queue);
     for (size_t k = 0; w->times && k < queue->count; ++k)
         queue->rays[k / LANES].time[k % LANES] = w->times[queue->shadows[k / LANES].slot[k % LANES]];

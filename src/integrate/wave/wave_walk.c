@@ -43,7 +43,7 @@ void wave_take_shadows(wave *w) {
     w->now.count = 0;
     for (size_t k = 0; k < w->shadows.count; ++k) {
         float *t_far = &w->shadows.rays[k / LANES].t_far[k % LANES];
-        const bool stopped = !plan->covered || (told && *t_far == -INFINITY);
+        const bool stopped = !plan->to_camera && (!plan->covered || (told && *t_far == -INFINITY));
         if (*t_far < 0 ? stopped : !(plan->unshadowed && w->shadows.ends[k].sized)) continue;
         take(w, k);
         *t_far = -INFINITY;
@@ -63,6 +63,11 @@ static bool is_skipped(const wave *w, unsigned i, bool sized) {
     const unsigned flags = g->geometry[i] == TRACE_PLANE ? scene->planes.items[g->primitive[i]].flags
                                                          : scene->geometries.items[g->geometry[i]].flags;
     return flags & FATHOM_CASTS_NO_SHADOW && !sized;
+}
+
+/* Light that passes here shows the camera the back of a one-sided surface. */
+static bool is_back(const wave *w, const surface_block *s, unsigned i) {
+    return s->entering[i] && w->run.plan->shaders[wave_hit_material(w, i)].one_sided;
 }
 
 static float hole_at(const wave *w, unsigned i) {
@@ -151,7 +156,8 @@ static void pass_surfaces(wave *w, size_t done, uint32_t met) {
     s.count = count;
     find_parts(w, &s, part);
     for (unsigned i = 0; i < count; ++i) {
-        const bool skipped = is_skipped(w, i, w->shadows.ends[done + lanes[i]].sized);
+        const bool skipped = is_skipped(w, i, w->shadows.ends[done + lanes[i]].sized) ||
+                             (plan->to_camera && is_back(w, &s, i));
         for (int c = 0; c < 3 && skipped; ++c) part[c][i] = 1;
         if (part[0][i] > 0 || part[1][i] > 0 || part[2][i] > 0) move_on(w, done + lanes[i], &s, i, part);
     }
