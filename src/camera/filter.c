@@ -45,3 +45,15 @@ double filter_place(const pixel_filter *f, double u) {
     const int i = (int)x;
     return 0.5 + f->at[i] + (x - i) * (f->at[i + 1] - f->at[i]);
 }
+
+double filter_density(const pixel_filter *f, double x) {
+    if (f->box) return x >= 0 && x < 1 ? 1 : 0;
+    const double at = x - 0.5;
+    if (!(at >= f->at[0] && at < f->at[FILTER_STEPS])) return 0;
+    int below = 0, above = FILTER_STEPS; /* at[below] <= at < at[above] */
+    while (above - below > 1) {
+        const int middle = (below + above) / 2;
+        *(f->at[middle] <= at ? &below : &above) = middle;
+    }
+    return 1 / (FILTER_STEPS * (f->at[above] - f->at[below]));
+}

@@ -19,3 +19,5 @@ void filter_prepare(const fathom_settings *settings, pixel_filter *out);
 /* Maps a position in the pixel, [0,1), to one distributed like the filter, relative to the pixel's first
  * edge. */
 double filter_place(const pixel_filter *f, double u);
+/* The density of these positions at x. */
+double filter_density(const pixel_filter *f, double x);

@@ -78,4 +78,22 @@ UNIT_TEST(an_edge_is_as_wide_as_the_filter) {
     }
 }
 
+/* By differences of places around the middle of each step, where the density is constant. */
+UNIT_TEST(the_filters_density_is_that_of_its_places) {
+    for (int k = 0; k < 3; ++k) {
+        fathom_settings settings;
+        pixel_filter f;
+        fathom_settings_default(&settings);
+        settings.filter = filters[k];
+        filter_prepare(&settings, &f);
+        for (int step = 0; step < FILTER_STEPS; ++step) {
+            const double u = (step + 0.5) / FILTER_STEPS, h = 0.25 / FILTER_STEPS;
+            const double slope = (filter_place(&f, u + h) - filter_place(&f, u - h)) / (2 * h);
+            assert_near(filter_density(&f, filter_place(&f, u)) * slope, 1, 1e-9);
+        }
+        assert_true(filter_density(&f, filter_place(&f, 0) - 0.01) == 0);
+        assert_true(filter_density(&f, filter_place(&f, 1 - 0x1p-30) + 0.01) == 0);
+    }
+}
+
 int main(void) { return unit_main(NULL, NULL); }

@@ -41,7 +41,7 @@ typedef struct photon_run {
 /* Connections know pinholes and thin lenses, in air and near the scene. */
 static bool is_eligible(const render_plan *plan) {
     return plan->max_depth > 1 && !emitters_none(plan->emitters) && !plan->far && !plan->camera.parallel &&
-           !plan->camera.clips && plan->filter.box && !plan->eye_volumes.count && !plan->volumes_differ;
+           !plan->camera.clips && !plan->eye_volumes.count && !plan->volumes_differ;
 }
 
 /* ---- photons ---- */

@@ -9,9 +9,10 @@
 
 /* What the camera sees of a lane's point. */
 typedef struct camera_views {
-    emitter_sample to;  /* direction and distance of the point on the lens */
-    float width[LANES]; /* of the camera's cone at the point */
-    double view[LANES]; /* caustic_view() */
+    emitter_sample to;   /* direction and distance of the point on the lens */
+    float width[LANES];  /* of the camera's cone at the point */
+    double view[LANES];  /* caustic_view() */
+    double scale[LANES]; /* the filter's density in the pixel, over the probability of the pixel's choice */
     uint32_t pixel[LANES];
 } camera_views;
 
@@ -41,21 +42,44 @@ static vec3_f64 way_from_lens(const shade_camera *camera, const vertex_block *v,
     return sub_f64(from_eye, on_lens);
 }
 
-/* The pixel of the ray from the lens. False: it is not in the map. */
-static bool find_pixel(const caustics *c, const shade_camera *camera, vec3_f64 way, vec3_f64 from_eye,
-                       uint32_t *pixel) {
+/* Chooses one of the pixels whose filter holds the place x of the image, in proportion to the filter; u: a
+ * number in [0,1). Returns the sum of the filter's densities there, 0 if there are none. */
+static double choose_pixel(const pixel_filter *f, double x, double u, int64_t *out) {
+    enum { MOST = 18 }; /* filters are at most 16 pixels wide */
+    const int64_t first = (int64_t)floor(x) - MOST / 2;
+    double sum = 0, sums[MOST];
+    if (f->box) {
+        *out = (int64_t)floor(x);
+        return 1;
+    }
+    for (int k = 0; k < MOST; ++k) sums[k] = sum += filter_density(f, x - (double)(first + k));
+    for (int k = 0; k < MOST; ++k) {
+        *out = first + k;
+        if (u * sum < sums[k]) break;
+    }
+    return sum;
+}
+
+/* The pixel of the ray from the lens; u: two numbers in [0,1). Returns the scale of its light, 0 if it is not
+ * in the map. */
+static double find_pixel(const photon_wave *w, const shade_camera *camera, vec3_f64 way, vec3_f64 from_eye,
+                         const double u[2], uint32_t *pixel) {
+    const caustics *c = w->caustics;
+    const pixel_filter *filter = &w->path->wave.run.plan->filter;
     double x, y;
+    int64_t column, row;
     vec3_f64 on = from_eye;
     if (camera->lens_radius > 0) {
         const double depth = dot_f64(way, camera->view);
-        if (!(depth > 0)) return false;
+        if (!(depth > 0)) return 0;
         on = add_f64(sub_f64(from_eye, way), scale_f64(camera->focus_distance / depth, way));
     }
-    if (!camera_place(camera, on, &x, &y)) return false;
-    x -= c->x0, y -= c->y0;
-    if (!(x >= 0 && x < c->width && y >= 0 && y < c->height)) return false;
-    *pixel = (uint32_t)y * c->width + (uint32_t)x;
-    return true;
+    if (!camera_place(camera, on, &x, &y) || !(fabs(x) < 0x1p20 && fabs(y) < 0x1p20)) return 0;
+    const double scale = choose_pixel(filter, x, u[0], &column) * choose_pixel(filter, y, u[1], &row);
+    column -= c->x0, row -= c->y0;
+    if (column < 0 || column >= c->width || row < 0 || row >= c->height) return 0;
+    *pixel = (uint32_t)row * c->width + (uint32_t)column;
+    return scale;
 }
 
 /* Returns the lanes that the camera may see. */
@@ -65,17 +89,23 @@ static uint32_t find_views(const photon_wave *w, const vertex_block *v, uint32_t
     shade_camera camera = plan->camera;
     vertex_keys keys;
     lanes3 u;
+    float across[LANES] = {0}, down[LANES] = {0};
     uint32_t seen = 0;
     memset(&out->to, 0, sizeof out->to);
     path_find_keys(p, v, &keys);
     if (camera.lens_radius > 0) path_numbers(p, &keys, SAMPLE_ROULETTE, false, u);
+    if (!plan->filter.box)
+        plan->sample_kernels->pairs(keys.pixel, keys.index, photon_dimension(p, SAMPLE_SCATTER), across,
+                                    down);
     for (unsigned i = 0; i < LANES; ++i) out->to.direction[2][i] = 1, out->width[i] = 0, out->view[i] = 0;
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         if (plan->camera_moves) wave_camera_when(plan, p->wave.times[v->path.slot[i]], &camera);
         const vec3_f64 way = way_from_lens(&camera, v, i, u),
                        from_eye = sub_f64(widen(lane_f32(v->surface.p, i)), widen(camera.eye));
-        if (!find_pixel(w->caustics, &camera, way, from_eye, &out->pixel[i])) continue;
+        const double places[2] = {(double)across[i], (double)down[i]};
+        out->scale[i] = find_pixel(w, &camera, way, from_eye, places, &out->pixel[i]);
+        if (!(out->scale[i] > 0)) continue;
         const double length = length_f64(way);
         put_lane_f32(out->to.direction, i, narrow(scale_f64(-1 / length, way)));
         out->to.distance[i] = (float)length;
@@ -119,7 +149,8 @@ static void find_gain(const photon_wave *w, const vertex_block *seen, const came
                          1 - caustic_share(w->caustics, view * (double)density[i] * (double)w->chain[slot],
                                            (double)w->found[slot]);
         for (int c = 0; c < 3; ++c)
-            gain[c][i] = limited(seen->path.weight[c][i] * limited(f[c][i] * (float)(view * share)));
+            gain[c][i] =
+                limited(seen->path.weight[c][i] * limited(f[c][i] * (float)(view * share * views->scale[i])));
     }
 }
 

@@ -210,7 +210,7 @@ static uint32_t bounce_lanes(photon_wave *w, vertex_block *v, const shader_sampl
     float u[LANES], other[LANES];
     uint32_t stay = 0;
     look_back(w, v, to, &b);
-    kernels->pairs(keys->pixel, keys->index, sample_at_vertex(w->path->depth + 2, SAMPLE_LIGHT), u, other);
+    kernels->pairs(keys->pixel, keys->index, photon_dimension(w->path, SAMPLE_ROULETTE), u, other);
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         if (bounce(w, v, to, &b, i, u[i], weight)) stay |= 1u << i;

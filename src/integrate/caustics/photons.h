@@ -19,6 +19,12 @@ struct photon_wave {
     size_t asked_count;
 };
 
+/* Random numbers at a vertex for what paths of the camera do not choose: with SAMPLE_SCATTER the pixel, with
+ * SAMPLE_ROULETTE whether the photon goes on. */
+static inline sample_dimension photon_dimension(const path_wave *p, sample_purpose purpose) {
+    return sample_at_vertex(p->depth + (1u << 16), purpose);
+}
+
 static inline void put_slot(float to[3][WAVE_SLOTS], uint32_t slot, vec3_f32 a) {
     to[0][slot] = a.x, to[1][slot] = a.y, to[2][slot] = a.z;
 }
