@@ -4,12 +4,16 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* A sphere that holds two of almost the same size is better than both: their rays would be divided. */
+/* Takes a tenth of a second. */
+#define MOST_VERTICES ((size_t)1 << 24)
+
 typedef struct caster_list {
     caustic_caster *of;
     uint32_t count;
     const bool *smooth; /* by material */
+    size_t vertices;    /* that may still be read to make spheres smaller */
 } caster_list;
 
 /* The lobes that are not smooth. */
@@ -17,14 +21,24 @@ typedef struct caster_list {
     (SHADER_DIFFUSE | SHADER_HIGHLIGHT | SHADER_GGX | SHADER_THIN | SHADER_REFRACT | SHADER_COAT |           \
      SHADER_SHEEN | SHADER_LEAF | SHADER_BEHIND)
 
+/* The material without images. It is the plan's unless images vary it: some materials take long to prepare.
+ */
+static const shader *plain_shader(const render_plan *plan, size_t k, shader *room) {
+    const fathom_material *value = &plan->scene->materials.items[k].value;
+    fathom_material between;
+    mapped_between(value, &between);
+    if (!memcmp(&between, value, sizeof between)) return &plan->shaders[k];
+    shader_prepare(value, room);
+    return room;
+}
+
 /* Clear walls bend no light. An image of the roughness rarely makes a surface smooth. */
 static bool judge_materials(const render_plan *plan, bool *smooth, bool *ends) {
-    const fathom_scene *scene = plan->scene;
-    for (size_t k = 0; smooth && ends && k < scene->materials.count; ++k) {
-        shader s;
-        shader_prepare(&scene->materials.items[k].value, &s);
-        smooth[k] = (s.lobes & (SHADER_MIRROR | SHADER_PASS | SHADER_CLASSIC)) && !s.clear;
-        ends[k] = ((s.lobes | plan->shaders[k].lobes) & SCATTERING) != 0;
+    for (size_t k = 0; smooth && ends && k < plan->scene->materials.count; ++k) {
+        shader room;
+        const shader *s = plain_shader(plan, k, &room);
+        smooth[k] = (s->lobes & (SHADER_MIRROR | SHADER_PASS | SHADER_CLASSIC)) && !s->clear;
+        ends[k] = ((s->lobes | plan->shaders[k].lobes) & SCATTERING) != 0;
     }
     return smooth && ends;
 }
@@ -75,8 +89,11 @@ static void join_overlapping(caster_list *list) {
 }
 
 static void add(caster_list *list, vec3_f64 center, double radius) {
+    const caustic_caster more = {center, radius * (1 + 0x1p-20), 0, 0};
     if (!(radius > 0 && radius < WORLD_REACH)) return;
-    list->of[list->count++] = (caustic_caster){center, radius * (1 + 0x1p-20), 0, 0};
+    for (uint32_t k = 0; k < list->count; ++k)
+        if (length_f64(sub_f64(center, list->of[k].center)) + more.radius <= list->of[k].radius) return;
+    list->of[list->count++] = more;
     if (list->count > CAUSTIC_CASTERS) join_nearest(list);
 }
 
@@ -129,13 +146,16 @@ static double reach_of(const world *w, uint32_t geometry, uint32_t instance, vec
 }
 
 static double radius_of(const world *w, uint32_t geometry, uint32_t k, uint32_t instance,
-                        const scene_bounds *b) {
+                        const scene_bounds *b, caster_list *list) {
     const world_geometry *g = &w->geometries.items[geometry];
     const bool rests = instance == FATHOM_NONE || !w->instances.items[instance].moving;
     const double radius = bounds_radius(b);
     if (g->kind == WORLD_SPHERES && instance == FATHOM_NONE)
         return world_sphere_radius(&w->spheres.items[g->first + k]);
     if (g->kind != WORLD_MESH || g->moving || !rests) return radius;
+    const uint32_t vertices = world_mesh(w, geometry)->vertex_count;
+    if (vertices > list->vertices) return radius;
+    list->vertices -= vertices;
     return fmin(radius, reach_of(w, geometry, instance, bounds_center(b)));
 }
 
@@ -148,7 +168,7 @@ static void add_geometry(const render_plan *plan, uint32_t geometry, uint32_t in
         if (material == FATHOM_NONE || !list->smooth[material]) continue;
         scene_bounds b = bounds_of(w, g, k);
         if (instance != FATHOM_NONE) b = placed(w, instance, &b);
-        add(list, bounds_center(&b), radius_of(w, geometry, k, instance, &b));
+        add(list, bounds_center(&b), radius_of(w, geometry, k, instance, &b, list));
     }
 }
 
@@ -161,7 +181,7 @@ bool caustic_casters_find(const render_plan *plan, caustics *out) {
     const world *w = plan->world;
     caustic_caster room[CAUSTIC_CASTERS + 1];
     bool *smooth = calloc(plan->scene->materials.count + 1, sizeof *smooth);
-    caster_list list = {room, 0, smooth};
+    caster_list list = {room, 0, smooth, MOST_VERTICES};
     out->ends = calloc(plan->scene->materials.count + 1, sizeof *out->ends);
     if (!judge_materials(plan, smooth, out->ends)) {
         free(smooth);
