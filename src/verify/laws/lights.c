@@ -208,6 +208,40 @@ static void ball_in_coloured_mirror(law_room *room) {
                    scale_f64(1.5 / 0.25, vec_f64(pow(left.x, 2.5), pow(left.y, 2.5), pow(left.z, 2.5))));
 }
 
+/* ---- a caustic: a lamp that also shines by a mirror, as by its image behind it ---- */
+
+/* (R/d)² cos θ of a ball, in the mean over the square of this side around the origin, by the midpoint rule:
+ * its error is below 1e-6. */
+static double ball_over_square(vec3_f64 center, double radius, double side) {
+    enum { STEPS = 512 };
+    double sum = 0;
+    for (int k = 0; k < STEPS * STEPS; ++k) {
+        const double x = ((k % STEPS + 0.5) / STEPS - 0.5) * side,
+                     y = ((k / STEPS + 0.5) / STEPS - 0.5) * side;
+        const vec3_f64 way = sub_f64(center, vec_f64(x, y, 0));
+        const double d2 = dot_f64(way, way);
+        sum += radius * radius * way.z / (d2 * sqrt(d2));
+    }
+    return sum / (STEPS * STEPS);
+}
+
+/* The mirror at x = 1.2 shows the whole lamp to each point of the square, and to few others. Two bounces: its
+ * light from the floor does not come back. The lamp is so small that photons bring the mirror's light. */
+static void lamp_by_mirror(law_room *room) {
+    const double side = 2, radius = 0.05, back = 0.9;
+    const vec3_f64 at = vec_f64(-0.9, 0, 1), image = vec_f64(3.3, 0, 1);
+    fathom_material mirror = build_black();
+    build_rgb(mirror.k_r, gray(back));
+    paint_plane(&room->b, origin, up, build_lambert(albedo));
+    paint_quad(&room->b, vec_f64(1.2, 0, 0.3), vec_f64(0, 1, 0), vec_f64(0, 0, 0.29), mirror);
+    paint_sphere(&room->b, at, radius, lamp());
+    law_look_down(room, 3, side);
+    law_value(
+        room,
+        scale_f64(ball_over_square(at, radius, side) + back * ball_over_square(image, radius, side), albedo));
+    room->depth = 2;
+}
+
 static void many_points(law_room *room) {
     double sum = 0;
     for (int i = 0; i < 40; ++i) {
@@ -250,6 +284,7 @@ const law laws_of_lights[] = {{"rectangle over a floor", "configuration factor",
                               {"lamp in a mirror", "k_l/R²", ball_in_mirror, 0},
                               {"spot light in a mirror", "k_l f/R²", spot_in_mirror, 0},
                               {"lamp in a mirror and a volume", "k_l c^(d-R)/R²", ball_in_coloured_mirror, 0},
+                              {"lamp by a mirror", "mean of Σ (R/d)² cos θ", lamp_by_mirror, 0},
                               {"forty point lights", "Σ k_l cos θ/d²", many_points, 0},
                               {"lights of four kinds", "sum", several, 0},
                               {NULL, NULL, NULL, 0}};
