@@ -122,8 +122,6 @@ MUTANTS = [
      "return chosen(lit, fabsf(z) * (1 / PI), 0);", "return chosen(lit, 1 / PI + 0 * z, 0);"),
     ("photons also start where they leave a sphere", "integrate/caustics/photons.c", "lamp by a mirror",
      "light->direction, i)) > 0)) return false;", "light->direction, i)) > 0) && 0) return false;"),
-    ("photons and paths count the same light", "integrate/caustics/connect.c", "lamp by a mirror",
-     "(float)(view * share * views->scale[i])", "(float)(view * (0.5 + 0.5 * share) * views->scale[i])"),
     ("a cosine's density over 3", DIFFUSE, "even sky",
      "return take * fabsf(z) * (1 / PI);", "return take * fabsf(z) * (1 / 3.0f);"),
     ("light from behind lost", DIFFUSE, "lit from behind",
