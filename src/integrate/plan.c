@@ -19,6 +19,14 @@ uint32_t plan_expected_spp(const fathom_settings *s) {
     return s->target_error > 0 || s->max_time > 0 ? min_u32(s->spp, ADAPTIVE_USUAL_SPP) : s->spp;
 }
 
+render_plan plan_before(const render_plan *plan, uint64_t other_seed) {
+    render_plan out = *plan;
+    out.settings.aovs = 0, out.settings.fireflies = FATHOM_FIREFLIES_KEEP;
+    out.parts = film_parts_of(&out.settings, NULL);
+    out.sampler.seed ^= other_seed;
+    return out;
+}
+
 uint64_t plan_expected_rays(const fathom_scene *scene, const fathom_settings *s) {
     unsigned bounces = parts_features(scene) & (MATERIAL_MIRROR | MATERIAL_REFRACT) ? 2 : 1;
     const uint64_t samples = settings_pixels(s) * plan_expected_spp(s);

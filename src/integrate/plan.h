@@ -107,6 +107,10 @@ void eye_volumes_find(const render_plan *plan, vec3_f32 eye, float time, eye_vol
 bool eye_volumes_differ(const render_plan *plan);
 bool eye_depths_differ(const render_plan *plan);
 
+/* A plan for paths before the image: no AOVs, and other random numbers, because these paths decide how the
+ * image is sampled, or add to it. */
+render_plan plan_before(const render_plan *plan, uint64_t other_seed);
+
 /* Samples of a pixel that a render with these settings is expected to take. */
 uint32_t plan_expected_spp(const fathom_settings *settings);
 /* Rays it is expected to trace, within a factor of a few: for the build quality. */

@@ -37,7 +37,7 @@ static bool judge_materials(const render_plan *plan, bool *smooth, bool *ends) {
     for (size_t k = 0; smooth && ends && k < plan->scene->materials.count; ++k) {
         shader room;
         const shader *s = plain_shader(plan, k, &room);
-        smooth[k] = (s->lobes & (SHADER_MIRROR | SHADER_PASS | SHADER_CLASSIC)) && !s->clear;
+        smooth[k] = (s->lobes & (SHADER_MIRROR | SHADER_PASS | SHADER_CLASSIC)) && !plan->shaders[k].clear;
         ends[k] = ((s->lobes | plan->shaders[k].lobes) & SCATTERING) != 0;
     }
     return smooth && ends;

@@ -146,11 +146,7 @@ static bool fill_map(photon_run *run) {
 /* ---- all ---- */
 
 static render_plan plan_for(const render_plan *plan) {
-    render_plan out = *plan;
-    out.caustics = NULL;
-    out.settings.aovs = 0, out.settings.fireflies = FATHOM_FIREFLIES_KEEP;
-    out.parts = film_parts_of(&out.settings, NULL);
-    out.sampler.seed ^= OTHER_SEED;
+    render_plan out = plan_before(plan, OTHER_SEED);
     out.background = out.one_sided = false;
     out.to_camera = plan->one_sided;
     return out;

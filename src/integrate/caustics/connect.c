@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What the camera sees of a lane's point. */
+/* The lanes' points in the camera's view. */
 typedef struct camera_views {
     emitter_sample to;   /* direction and distance of the point on the lens */
     float width[LANES];  /* of the camera's cone at the point */

@@ -1,8 +1,8 @@
 /* Paths of photons: a wave of path tracing that starts at the lights. */
 #include "integrate/caustics/photons.h"
 
+#include "light/shape.h"
 #include "math/limit.h"
-#include "math/turn.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,17 +12,9 @@ static photon_wave *of_wave(wave *w) { return ((path_wave *)w)->photons; }
 
 /* ---- the start ---- */
 
-/* Uniform over the unit sphere. */
-static vec3_f32 direction_of(float u, float v) {
-    float cosine, sine;
-    turn_by(v, &cosine, &sine);
-    const float z = 1 - 2 * u, r = 2 * sqrtf(u * (1 - u));
-    return (vec3_f32){r * cosine, r * sine, z};
-}
-
-/* Changes *u to a number in [0,1) for the chosen caster. */
-static uint32_t choose_caster(const caustics *c, float *u) {
-    double left = (double)*u;
+/* u: a number in [0,1). */
+static uint32_t choose_caster(const caustics *c, double u) {
+    double left = u;
     uint32_t last = 0;
     for (uint32_t k = 0; k < c->count; ++k) {
         if (!(c->casters[k].chance > 0)) continue;
@@ -45,11 +37,11 @@ static void ask_lights(photon_wave *w, photon_starts *s) {
     lanes3 u;
     plan->sample_kernels->triples(s->pixel, s->index, sample_at_vertex(0, SAMPLE_LIGHT), u[0], u[1], u[2]);
     for (unsigned i = 0; i < LANES; ++i) {
-        s->caster[i] = choose_caster(w->caustics, &u[2][i]);
+        s->caster[i] = choose_caster(w->caustics, (double)u[2][i]);
         const caustic_caster *c = &w->caustics->casters[s->caster[i]];
-        const vec3_f32 n = direction_of(u[0][i], u[1][i]);
-        put_lane_f32(s->at.p, i, narrow(madd_f64(c->center, c->radius, widen(n))));
-        put_lane_f32(s->at.n, i, n);
+        const vec3_f64 n = shape_all_sample((vec3_f64){0, 0, 0}, (double)u[0][i], (double)u[1][i]);
+        put_lane_f32(s->at.p, i, narrow(madd_f64(c->center, c->radius, n)));
+        put_lane_f32(s->at.n, i, narrow(n));
         s->at.time[i] = w->path->wave.times ? w->path->wave.times[s->slot[i]] : 0;
     }
     plan->sample_kernels->triples(s->pixel, s->index, sample_at_vertex(1, SAMPLE_LIGHT), u[0], u[1], u[2]);

@@ -135,14 +135,10 @@ static bool scout(scouting *all, emitters *e) {
     return emitters_learn(e, &lesson);
 }
 
-/* The plan of these paths: no AOVs. */
 static render_plan plan_for(const render_plan *plan, emitters *asked) {
-    render_plan out = *plan;
+    render_plan out = plan_before(plan, OTHER_SEED);
     out.emitters = asked;
-    out.settings.aovs = 0, out.settings.fireflies = FATHOM_FIREFLIES_KEEP;
-    out.parts = film_parts_of(&out.settings, NULL);
     out.groups.count = 0;
-    out.sampler.seed ^= OTHER_SEED;
     out.max_depth = min_u32(plan->max_depth, MOST_DEPTH);
     return out;
 }
