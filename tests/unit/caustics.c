@@ -155,13 +155,24 @@ static double variance_of(const cell_sums *s, int k) {
     return fmax(s->squares[k] / SEEDS - mean * mean, 0) / (SEEDS - 1);
 }
 
-/* Beyond 6.5 standard errors of a cell, with some 30 degrees of freedom: once in 10^5 comparisons. */
+/* The mean variance of the cells. Paths alone may miss a cell's caustic in all renders, and its own variance
+ * is then too small; the other cells, which such paths reach as seldom, tell how much light one of them
+ * brings. */
+static double variance_of_cells(const cell_sums *s) {
+    double sum = 0;
+    for (int k = 0; k < CELLS - 1; ++k) sum += variance_of(s, k);
+    return sum / (CELLS - 1);
+}
+
+/* With 20 other sets of seeds, the largest of 2,380 comparisons was 2.9 standard errors, and 4.2 of those
+ * with the few samples under sanitizers. */
 static void expect_same(stage *a, stage *b, const char *what) {
     const cell_sums with = light_by(a, true), without = light_by(b, false);
+    const double least = variance_of_cells(&with) + variance_of_cells(&without);
     for (int k = 0; k < CELLS; ++k) {
         const double apart = (with.light[k] - without.light[k]) / SEEDS,
-                     error = sqrt(variance_of(&with, k) + variance_of(&without, k));
-        if (!(fabs(apart) <= 6.5 * error + 1e-5 * without.light[k] / SEEDS))
+                     error = sqrt(fmax(variance_of(&with, k) + variance_of(&without, k), least));
+        if (!(fabs(apart) <= (SANITIZED ? 8 : 5) * error + 1e-5 * without.light[k] / SEEDS))
             fail_msg("%s, cell %d: %g of %g, error %g", what, k, apart, without.light[k] / SEEDS, error);
     }
 }
