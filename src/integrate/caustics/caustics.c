@@ -117,7 +117,12 @@ static void add_to_map(photon_run *run, const caustic_splat *s) {
     for (uint32_t g = 1; g < run->of->layers; ++g) add_to_cell(run, g, s, shares[g - 1]);
 }
 
-/* Adaptive renders and the AOV of errors need groups. A crop changes no pixel: whole waves are kept. */
+/* The first photons serve the whole image, so that a crop changes no pixel. */
+static void set_whole(const render_plan *plan, caustics *c) {
+    c->x0 = c->y0 = 0, c->width = plan->settings.width, c->height = plan->settings.height;
+}
+
+/* Adaptive renders and the AOV of errors need groups. The map keeps whole waves of a crop. */
 static void set_extent(const render_plan *plan, caustics *c) {
     const fathom_settings *s = &plan->settings;
     const bool cropped = s->crop[2] > 0;
@@ -171,14 +176,16 @@ static void end_run(photon_run *run) {
 }
 
 /* False: out of memory, or stopped. *lit: the map holds light. */
-static bool make_map(photon_run *run, bool *lit) {
+static bool make_map(photon_run *run, const render_plan *plan, bool *lit) {
     caustics *c = run->of;
     for (uint32_t k = 0; k < c->count; ++k) c->casters[k].chance = 1.0 / c->count;
     c->photons = 1;
+    set_whole(plan, c);
     const double pilots = fmin(fmax(photons_wanted(&run->plan.settings) / 4, LEAST_PILOTS), MOST_PILOTS);
     if (!run_photons(run, SAMPLE_GROUPS, (uint32_t)pilots, add_to_caster)) return false;
     *lit = share_photons(c);
     if (!*lit) return true;
+    set_extent(plan, c);
     c->map = calloc((size_t)c->groups * c->layers * c->width * c->height, 3 * sizeof *c->map);
     return c->map && fill_map(run);
 }
@@ -193,9 +200,8 @@ fathom_status caustics_create(fathom_context *context, const render_plan *plan, 
     if (!c) return fail_memory(context, sizeof *c);
     bool fine = caustic_casters_find(plan, c);
     c->images = emitters_any_skies(plan->emitters);
-    set_extent(plan, c);
     if (c->count)
-        fine = (start_run(&run, context, plan, stop, c) && make_map(&run, &lit)) || atomic_load(stop);
+        fine = (start_run(&run, context, plan, stop, c) && make_map(&run, plan, &lit)) || atomic_load(stop);
     if (c->count) end_run(&run);
     if (fine && lit)
         *out = c;
