@@ -166,7 +166,8 @@ typedef enum fathom_phase {
     FATHOM_PHASE_READ,
     FATHOM_PHASE_BUILD,
     FATHOM_PHASE_RENDER,
-    FATHOM_PHASE_WRITE
+    FATHOM_PHASE_WRITE,
+    FATHOM_PHASE_PHOTONS /* between building and rendering: photons find caustics */
 } fathom_phase;
 
 typedef struct fathom_progress {
@@ -210,8 +211,9 @@ typedef struct fathom_stats {
     uint64_t resumed_samples;   /* in pixels that those earlier calls had finished */
     uint64_t scene_fingerprint; /* differs between scenes that may render differently; ignores file names */
     unsigned threads;
-    char tracer[64];      /* "Embree 3.13.5, AVX-512" */
-    uint64_t image_bytes; /* of environments, and the most that texels of textures took */
+    char tracer[64];       /* "Embree 3.13.5, AVX-512" */
+    uint64_t image_bytes;  /* of environments, and the most that texels of textures took */
+    double photon_seconds; /* finding caustics before rendering; not in build_seconds */
 } fathom_stats;
 
 typedef struct fathom_film fathom_film;

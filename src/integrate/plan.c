@@ -1,5 +1,6 @@
 #include "integrate/plan.h"
 
+#include "base/clock.h"
 #include "integrate/caustics/caustics.h"
 #include "integrate/integrator.h"
 #include "integrate/reference/reference.h"
@@ -103,7 +104,7 @@ static void plan_volumes(render_plan *plan) {
     plan->far &= !plan->eye_volumes.count && !plan->volumes_differ;
 }
 
-static fathom_status plan_paths(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
+static fathom_status plan_paths(fathom_context *context, render_plan *plan, plan_watch *watch) {
     fathom_status status = plan_shaders(context, plan);
     if (status == FATHOM_OK)
         status = emitters_create(context, plan->world, plan->texturing,
@@ -117,8 +118,11 @@ static fathom_status plan_paths(fathom_context *context, render_plan *plan, cons
     plan->unshadowed = !world_casts_all_shadows(plan->world);
     plan->max_depth = plan->settings.max_depth;
     if (plan->watertight) plan_depths(plan);
-    status = path_scout_lights(context, plan, stop);
-    return status == FATHOM_OK ? caustics_create(context, plan, stop, &plan->caustics) : status;
+    status = path_scout_lights(context, plan, &watch->stop);
+    const double began = clock_seconds();
+    if (status == FATHOM_OK) status = caustics_create(context, plan, watch, &plan->caustics);
+    plan->photon_seconds = clock_seconds() - began;
+    return status;
 }
 
 /* ---- the reference ---- */
@@ -189,10 +193,10 @@ static const integrator *integrator_of(fathom_integrator which) {
     return NULL;
 }
 
-static fathom_status plan_integrator(fathom_context *context, render_plan *plan, const atomic_bool *stop) {
+static fathom_status plan_integrator(fathom_context *context, render_plan *plan, plan_watch *watch) {
     switch (plan->settings.integrator) {
     case FATHOM_INTEGRATOR_CLASSIC: return plan_classic(context, plan);
-    case FATHOM_INTEGRATOR_PATH: return plan_paths(context, plan, stop);
+    case FATHOM_INTEGRATOR_PATH: return plan_paths(context, plan, watch);
     case FATHOM_INTEGRATOR_REFERENCE: return plan_reference(context, plan);
     }
     return FATHOM_BAD_USAGE;
@@ -242,9 +246,9 @@ static fathom_status plan_mattes(fathom_context *context, render_plan *plan) {
 }
 
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
-                          const fathom_settings *settings, texture_cache *textures, const atomic_bool *stop,
+                          const fathom_settings *settings, texture_cache *textures, plan_watch *watch,
                           render_plan **out) {
-    static const atomic_bool never = false;
+    plan_watch unwatched = {.photons = 0};
     *out = NULL;
     const fathom_scene *scene = w->scene;
     render_plan *plan = calloc(1, sizeof *plan);
@@ -277,7 +281,7 @@ fathom_status plan_create(fathom_context *context, const world *w, const trace_t
     if (status == FATHOM_OK && plan->parts.groups >= 0) status = light_groups_create(scene, &plan->groups);
     if (status == FATHOM_OK) status = plan_mattes(context, plan);
     if (status == FATHOM_OK) status = plan_approach(plan);
-    if (status == FATHOM_OK) status = plan_integrator(context, plan, stop ? stop : &never);
+    if (status == FATHOM_OK) status = plan_integrator(context, plan, watch ? watch : &unwatched);
     if (status == FATHOM_OK)
         *out = plan;
     else

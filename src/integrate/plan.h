@@ -82,14 +82,20 @@ typedef struct render_plan {
     bool to_camera; /* for photons: shadow rays lead to the camera, which looks through the backs of one-sided
                        surfaces */
     bool panes;     /* path tracing: some surface may be a clear thin wall */
-    bool unshadowed; /* path tracing: some shape casts no shadow */
+    double photon_seconds; /* path tracing: that finding caustics took */
+    bool unshadowed;       /* path tracing: some shape casts no shadow */
 } render_plan;
 
+/* Between the making of a plan and other threads. */
+typedef struct plan_watch {
+    atomic_bool stop;       /* set by others: the plan must not be used */
+    _Atomic double photons; /* the part of all photons that are traced; 0 before the first */
+} plan_watch;
+
 /* Release with plan_destroy(). Traces rays, also on further threads. textures: of the scene; the plan owns
- * them, also on failure; NULL: it opens them. If *stop becomes true meanwhile, the plan must not be used;
- * NULL: it does not. */
+ * them, also on failure; NULL: it opens them. watch may be NULL. */
 fathom_status plan_create(fathom_context *context, const world *w, const trace_tracer *tracer,
-                          const fathom_settings *settings, texture_cache *textures, const atomic_bool *stop,
+                          const fathom_settings *settings, texture_cache *textures, plan_watch *watch,
                           render_plan **out);
 void plan_destroy(render_plan *plan);
 

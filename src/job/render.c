@@ -31,19 +31,20 @@ typedef struct build {
     void *progress_user;
     double began;
     _Atomic double fraction; /* as last reported by Embree's building threads */
-    atomic_bool stop;
+    plan_watch watch;
+    double photons_began; /* 0: not yet */
 } build;
 
 static bool on_build(void *user, double fraction) {
     build *b = user;
     atomic_store(&b->fraction, fraction);
-    return !atomic_load(&b->stop);
+    return !atomic_load(&b->watch.stop);
 }
 
 static void build_plan(void *user) {
     build *b = user;
     trace_passing passing;
-    b->status = plan_create(b->context, b->world, b->tracer, b->settings, b->textures, &b->stop, &b->plan);
+    b->status = plan_create(b->context, b->world, b->tracer, b->settings, b->textures, &b->watch, &b->plan);
     if (b->status != FATHOM_OK || !trace_tells_opaque(b->tracer) || !b->plan->texturing) return;
     b->status = texturing_find_passing(b->plan->texturing, b->context, &passing);
     if (b->status == FATHOM_OK) trace_know_passing(b->tracer, &passing);
@@ -54,12 +55,19 @@ static void report_build(void *user) {
     fathom_progress now = {.phase = FATHOM_PHASE_BUILD,
                            .fraction = fmin(fmax(atomic_load(&b->fraction), 0), 1),
                            .seconds = clock_seconds() - b->began};
-    if (b->progress && !atomic_load(&b->stop) && !b->progress(b->progress_user, &now))
-        atomic_store(&b->stop, true);
+    const double photons = atomic_load(&b->watch.photons);
+    if (photons > 0) {
+        if (!(b->photons_began > 0)) b->photons_began = clock_seconds();
+        now = (fathom_progress){.phase = FATHOM_PHASE_PHOTONS,
+                                .fraction = photons,
+                                .seconds = clock_seconds() - b->photons_began};
+    }
+    if (b->progress && !atomic_load(&b->watch.stop) && !b->progress(b->progress_user, &now))
+        atomic_store(&b->watch.stop, true);
 }
 
 static fathom_status end_build(build *b) {
-    if (b->status != FATHOM_OK || !atomic_load(&b->stop)) return b->status;
+    if (b->status != FATHOM_OK || !atomic_load(&b->watch.stop)) return b->status;
     return fail(b->context, FATHOM_INTERRUPTED, "stopped while building; there is no image yet");
 }
 
@@ -188,7 +196,8 @@ static fathom_status find_brightest(fathom_context *context, const render_plan *
 static fathom_status make_plan(build *b) {
     atomic_store(&b->fraction, 1);
     job_watch(build_plan, report_build, b);
-    b->film->stats.build_seconds = clock_seconds() - b->began;
+    b->film->stats.photon_seconds = b->plan ? b->plan->photon_seconds : 0;
+    b->film->stats.build_seconds = clock_seconds() - b->began - b->film->stats.photon_seconds;
     fathom_status status = end_build(b);
     if (status == FATHOM_OK) status = find_brightest(b->context, b->plan, b->film);
     if (status != FATHOM_OK) return status;

@@ -373,4 +373,22 @@ UNIT_TEST(maps_do_not_depend_on_crops_or_threads) {
                             (crop[2] - crop[0]) * sizeof *a);
 }
 
+static bool not_photons(void *seen, const fathom_progress *now) {
+    if (now->phase != FATHOM_PHASE_PHOTONS) return true;
+    *(double *)seen = now->fraction;
+    return false;
+}
+
+/* Enough photons for the first call of progress to come between them. */
+UNIT_TEST(photons_tell_their_progress_and_stop) {
+    stage s = open_caustic();
+    fathom_film *film;
+    double seen = 0;
+    s.settings.width = s.settings.height = 512, s.settings.spp = 1 << 14;
+    assert_int_equal(fathom_render(s.context, s.scene, &s.settings, not_photons, &seen, NULL, &film),
+                     FATHOM_INTERRUPTED);
+    assert_true(seen > 0 && seen < 1);
+    fathom_film_destroy(film); /* without pixels */
+}
+
 int main(void) { return unit_main(open_folder, remove_folder); }

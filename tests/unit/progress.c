@@ -44,6 +44,9 @@ UNIT_TEST(lines_say_what_is_known) {
     p.phase = FATHOM_PHASE_BUILD;
     progress_line(&p, text, sizeof text);
     assert_string_equal(text, "build 50 %, 1:00:00 left");
+    p.phase = FATHOM_PHASE_PHOTONS;
+    progress_line(&p, text, sizeof text);
+    assert_string_equal(text, "photons 50 %, 1:00:00 left");
     p = at(0, 0, 0);
     progress_line(&p, text, sizeof text);
     assert_string_equal(text, "render 0 %");

@@ -56,6 +56,7 @@ static const char *phase_name(fathom_phase phase) {
     case FATHOM_PHASE_BUILD: return "build";
     case FATHOM_PHASE_RENDER: return state.work;
     case FATHOM_PHASE_WRITE: return "write";
+    case FATHOM_PHASE_PHOTONS: return "photons";
     }
     return "";
 }

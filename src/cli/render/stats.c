@@ -53,8 +53,8 @@ static void add_tracer(json_t *root, const char *tracer) {
 
 static json_t *pack_seconds(const render_report *r) {
     return json_of(JSON("read", r->read_seconds), JSON("build", r->stats.build_seconds),
-                   JSON("render", r->stats.render_seconds), JSON("write", r->write_seconds),
-                   JSON("total", r->total_seconds));
+                   JSON("photons", r->stats.photon_seconds), JSON("render", r->stats.render_seconds),
+                   JSON("write", r->write_seconds), JSON("total", r->total_seconds));
 }
 
 static json_t *pack_rays(const render_report *r) {
@@ -161,8 +161,9 @@ static void print_details(const render_report *r, const render_options *options)
         printf(", %llu triangles with them", (unsigned long long)s->placed_triangles);
     putchar('\n');
     printf("tracer   %s, %u threads\n", s->tracer, s->threads);
-    printf("seconds  read %.3f, build %.3f, render %.3f, write %.3f, total %.3f\n", r->read_seconds,
-           s->build_seconds, s->render_seconds, r->write_seconds, r->total_seconds);
+    printf("seconds  read %.3f, build %.3f, photons %.3f, render %.3f, write %.3f, total %.3f\n",
+           r->read_seconds, s->build_seconds, s->photon_seconds, s->render_seconds, r->write_seconds,
+           r->total_seconds);
     printf("rays     camera %llu, shadow %llu, reflection %llu, refraction %llu; of them repaired %llu\n",
            (unsigned long long)s->camera_rays, (unsigned long long)s->shadow_rays,
            (unsigned long long)s->reflection_rays, (unsigned long long)s->refraction_rays,

@@ -27,7 +27,7 @@
 /* All threads. */
 typedef struct photon_run {
     render_plan plan;
-    const atomic_bool *stop;
+    plan_watch *watch;
     caustics *of;
     photon_wave **waves;
     unsigned threads;
@@ -50,16 +50,23 @@ static void run_batches(void *user, size_t begin, size_t end, unsigned worker) {
     photon_run *run = user;
     photon_wave **w = &run->waves[worker];
     const unsigned state = trace_thread_begin();
-    if (!*w) *w = photon_wave_create(&run->plan, run->of, run->stop);
+    if (!*w) *w = photon_wave_create(&run->plan, run->of, &run->watch->stop);
     for (size_t b = begin; *w && b < end && !atomic_load(&run->fails); ++b) {
         const uint32_t first = run->done + (uint32_t)b * BATCH;
         run->found[b].count = 0;
         if (!photon_wave_run(*w, run->group, first, min_u32(run->end - first, BATCH), &run->found[b]) &&
-            !atomic_load(run->stop))
+            !atomic_load(&run->watch->stop))
             atomic_store(&run->fails, true);
     }
     if (!*w) atomic_store(&run->fails, true);
     trace_thread_end(state);
+}
+
+/* Not of the first photons, whose group is beyond those of the map. */
+static void tell_progress(const photon_run *run) {
+    const uint32_t groups = run->of->groups;
+    const double part = run->done / (double)run->end;
+    if (run->group < groups) atomic_store(&run->watch->photons, (run->group + part) / groups);
 }
 
 /* Runs the photons [0, count) of a group; add() gets their light in the order of photons. False: out of
@@ -70,10 +77,11 @@ static bool run_photons(photon_run *run, uint32_t group, uint32_t count,
     for (run->done = 0; run->done < count;) {
         const uint32_t left = count - run->done, batches = min_u32((left + BATCH - 1) / BATCH, ROUND);
         loop_workers(run->threads, batches, 1, run_batches, run);
-        if (atomic_load(&run->fails) || atomic_load(run->stop)) return false;
+        if (atomic_load(&run->fails) || atomic_load(&run->watch->stop)) return false;
         for (uint32_t b = 0; b < batches; ++b)
             for (size_t k = 0; k < run->found[b].count; ++k) add(run, &run->found[b].items[k]);
         run->done += min_u32(left, batches * BATCH);
+        tell_progress(run);
     }
     return true;
 }
@@ -159,10 +167,10 @@ static render_plan plan_for(const render_plan *plan) {
     return out;
 }
 
-static bool start_run(photon_run *run, fathom_context *context, const render_plan *plan,
-                      const atomic_bool *stop, caustics *c) {
+static bool start_run(photon_run *run, fathom_context *context, const render_plan *plan, plan_watch *watch,
+                      caustics *c) {
     *run = (photon_run){
-        .plan = plan_for(plan), .stop = stop, .of = c, .threads = fathom_context_threads(context)};
+        .plan = plan_for(plan), .watch = watch, .of = c, .threads = fathom_context_threads(context)};
     run->waves = calloc(run->threads, sizeof *run->waves);
     run->found = calloc(ROUND, sizeof *run->found);
     return run->waves && run->found;
@@ -190,7 +198,7 @@ static bool make_map(photon_run *run, const render_plan *plan, bool *lit) {
     return c->map && fill_map(run);
 }
 
-fathom_status caustics_create(fathom_context *context, const render_plan *plan, const atomic_bool *stop,
+fathom_status caustics_create(fathom_context *context, const render_plan *plan, plan_watch *watch,
                               caustics **out) {
     photon_run run;
     bool lit = false;
@@ -201,7 +209,8 @@ fathom_status caustics_create(fathom_context *context, const render_plan *plan, 
     bool fine = caustic_casters_find(plan, c);
     c->images = emitters_any_skies(plan->emitters);
     if (c->count)
-        fine = (start_run(&run, context, plan, stop, c) && make_map(&run, plan, &lit)) || atomic_load(stop);
+        fine = (start_run(&run, context, plan, watch, c) && make_map(&run, plan, &lit)) ||
+               atomic_load(&watch->stop);
     if (c->count) end_run(&run);
     if (fine && lit)
         *out = c;

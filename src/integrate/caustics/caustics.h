@@ -44,8 +44,8 @@ typedef struct caustics {
 /* Sets *out to the plan's caustics, or to NULL if photons would gain nothing: no smooth object lies in the
  * light of a lamp with a size, or the camera cannot be connected. Everything else in the plan must be set.
  * Release with caustics_destroy(). The map depends only on the scene, the whole image, its number of samples
- * and the seed. It is incomplete if *stop becomes true. */
-fathom_status caustics_create(fathom_context *context, const render_plan *plan, const atomic_bool *stop,
+ * and the seed. It is incomplete if the watch stops it. */
+fathom_status caustics_create(fathom_context *context, const render_plan *plan, plan_watch *watch,
                               caustics **out);
 void caustics_destroy(caustics *c);
 /* Adds the map's light to the samples of a batch. */
