@@ -7,12 +7,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Photons for each sample of the image: bench/path_tracing.md. A render to an error E is planned as one with
- * SPP_TO_ERROR / E² samples of a pixel, because more samples do not lower the map's error; a render to a time
- * may be short. */
+/* Photons for each sample of the image: bench/path_tracing.md. A render to an error is planned as one with
+ * more samples than usual, because more samples do not lower the map's error; a render to a time may be
+ * short. */
 #define PHOTONS_PER_SAMPLE (1 / 16.0)
-#define SPP_TO_ERROR 0.6
-#define SPP_TO_TIME 8.0
+#define SPP_TO_ERROR 128u
+#define SPP_TO_TIME 8u
 /* The first photons, a quarter as many, but no fewer and no more than this, tell how many each caster
  * deserves. */
 #define LEAST_PILOTS (1u << 10)
@@ -143,10 +143,8 @@ static void set_extent(const render_plan *plan, caustics *c) {
 }
 
 static double photons_wanted(const fathom_settings *s) {
-    double spp = s->spp;
-    if (s->target_error > 0) spp = fmin(spp, SPP_TO_ERROR / (s->target_error * s->target_error));
-    if (s->max_time > 0) spp = fmin(spp, SPP_TO_TIME);
-    return fmin(PHOTONS_PER_SAMPLE * s->width * s->height * spp, 0x1p31);
+    const uint32_t most = s->max_time > 0 ? SPP_TO_TIME : s->target_error > 0 ? SPP_TO_ERROR : s->spp;
+    return fmin(PHOTONS_PER_SAMPLE * s->width * s->height * min_u32(s->spp, most), 0x1p31);
 }
 
 static bool fill_map(photon_run *run) {
