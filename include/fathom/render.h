@@ -199,9 +199,9 @@ typedef struct fathom_stats {
     double error_estimate;      /* with target_error or max_time: the largest of any tile (see target_error);
                                    infinite when time ended before it was known. Otherwise 0 */
     double build_seconds, render_seconds;
-    uint64_t mesh_bytes, bvh_bytes,
-        film_bytes; /* arrays of the scene's meshes, and points as spheres; the tracer's structures; pixels */
-    uint64_t bvh_peak_bytes;       /* the most that the tracer held while it was built */
+    uint64_t mesh_bytes, bvh_bytes, film_bytes; /* arrays of the scene's meshes, and points as spheres; the
+                                                   tracer's structures; pixels, and the map of caustics */
+    uint64_t bvh_peak_bytes;                    /* the most that the tracer held while it was built */
     uint64_t foreseen_bytes;       /* predicted peak of the process, before building; 0: unknown */
     uint64_t degenerate_triangles; /* rendered around */
     uint32_t checkpoints; /* saved by this call; below: the seconds that saving took, next to rendering */

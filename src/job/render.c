@@ -4,6 +4,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/opened.h"
+#include "integrate/caustics/caustics.h"
 #include "integrate/reference/reference.h"
 #include "job/checkpoint/checkpoint.h"
 #include "job/job.h"
@@ -89,7 +90,8 @@ static fathom_status memory_besides(build *b, uint64_t *out) {
     uint64_t resident = memory_resident();
     resident = resident > film_now ? resident - film_now : 0;
     b->film->stats.image_bytes = b->sky_bytes + texture_cache_bytes(b->textures);
-    *out = (resident > expected ? resident : expected) + bytes + b->film->stats.image_bytes;
+    *out = (resident > expected ? resident : expected) + bytes + b->film->stats.image_bytes +
+           caustics_bytes_expected(w->scene, b->settings);
     return FATHOM_OK;
 }
 
@@ -201,6 +203,7 @@ static fathom_status make_plan(build *b) {
     fathom_status status = end_build(b);
     if (status == FATHOM_OK) status = find_brightest(b->context, b->plan, b->film);
     if (status != FATHOM_OK) return status;
+    b->film->stats.film_bytes += caustics_bytes(b->plan->caustics);
     return left_out_find(b->world, b->settings, b->plan->watertight, &b->film->left_out)
                ? FATHOM_OK
                : fail_memory(b->context, sizeof(fathom_left_out));

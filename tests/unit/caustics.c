@@ -322,6 +322,7 @@ static void expect_map(const render_plan *plan, double least) {
 static void expect_none(const render_plan *plan, double unused) {
     (void)unused;
     assert_null(plan->caustics);
+    assert_int_equal(caustics_bytes(plan->caustics), 0);
 }
 
 /* The lamp of radiance 20 covers 0.38, the ball a disc of 1.5 at a distance of 3: about 1 in 20 of the image
@@ -346,6 +347,8 @@ static void expect_four(const render_plan *plan, double unused) {
     const caustics *c = plan->caustics;
     double least = INFINITY, most = 0;
     assert_int_equal(c->groups, 4);
+    assert_int_equal(caustics_bytes(c), 4ull * 256 * 256 * 3 * sizeof(float));
+    assert_int_equal(caustics_bytes(c), caustics_bytes_expected(plan->scene, &plan->settings));
     for (uint32_t g = 0; g < 4; ++g) least = fmin(least, light_of(c, g)), most = fmax(most, light_of(c, g));
     assert_true(least > 0 && least < most && most < 1.5 * least); /* each is the whole, and they differ */
 }

@@ -1,5 +1,6 @@
 /* The smooth objects of a scene, and a few spheres around them. */
 #include "integrate/caustics/caustics.h"
+#include "math/rgb.h"
 #include "scene/scene.h"
 
 #include <math.h>
@@ -41,6 +42,24 @@ static bool judge_materials(const render_plan *plan, bool *smooth, bool *ends) {
         ends[k] = ((s->lobes | plan->shaders[k].lobes) & SCATTERING) != 0;
     }
     return smooth && ends;
+}
+
+/* Facets and refraction as in shader.h, without the tables of rough materials. */
+static bool may_be_smooth(const fathom_material *m) {
+    if (m->model == FATHOM_MODEL_CLASSIC) return rgb_any(m->k_r) || rgb_any(m->k_t);
+    const float alpha = m->roughness * m->roughness, bend = fminf(fabsf(m->ior - 1), 1),
+                coat = m->clearcoat_roughness * m->clearcoat_roughness;
+    return alpha < SHADER_SMOOTH_ALPHA || (m->transmission > 0 && alpha * bend < SHADER_SMOOTH_ALPHA) ||
+           (m->clearcoat > 0 && coat < SHADER_SMOOTH_ALPHA);
+}
+
+bool caustic_smooth_materials(const fathom_scene *scene) {
+    for (size_t k = 0; k < scene->materials.count; ++k) {
+        fathom_material m;
+        mapped_between(&scene->materials.items[k].value, &m);
+        if (may_be_smooth(&m)) return true;
+    }
+    return false;
 }
 
 /* The smallest sphere around two spheres. */

@@ -131,15 +131,19 @@ static void set_whole(const render_plan *plan, caustics *c) {
 }
 
 /* Adaptive renders and the AOV of errors need groups. The map keeps whole waves of a crop. */
-static void set_extent(const render_plan *plan, caustics *c) {
-    const fathom_settings *s = &plan->settings;
+static void set_extent(const fathom_settings *s, film_parts parts, caustics *c) {
     const bool cropped = s->crop[2] > 0;
     const uint32_t x1 = cropped ? s->crop[2] : s->width, y1 = cropped ? s->crop[3] : s->height;
     c->x0 = s->crop[0] / WAVE_SIDE * WAVE_SIDE, c->y0 = s->crop[1] / WAVE_SIDE * WAVE_SIDE;
     c->width = min_u32((x1 + WAVE_SIDE - 1) / WAVE_SIDE * WAVE_SIDE, s->width) - c->x0;
     c->height = min_u32((y1 + WAVE_SIDE - 1) / WAVE_SIDE * WAVE_SIDE, s->height) - c->y0;
     c->groups = s->target_error > 0 || s->max_time > 0 || s->aovs & FATHOM_AOV_ERROR ? SAMPLE_GROUPS : 1;
-    c->layers = 1 + plan->groups.count;
+    c->layers = 1;
+    if (parts.groups >= 0) c->layers += parts.layers - (uint8_t)parts.groups;
+}
+
+static size_t map_bytes(const caustics *c) {
+    return (size_t)c->groups * c->layers * c->width * c->height * 3 * sizeof *c->map;
 }
 
 static double photons_wanted(const fathom_settings *s) {
@@ -191,8 +195,8 @@ static bool make_map(photon_run *run, const render_plan *plan, bool *lit) {
     if (!run_photons(run, SAMPLE_GROUPS, (uint32_t)pilots, add_to_caster)) return false;
     *lit = share_photons(c);
     if (!*lit) return true;
-    set_extent(plan, c);
-    c->map = calloc((size_t)c->groups * c->layers * c->width * c->height, 3 * sizeof *c->map);
+    set_extent(&plan->settings, plan->parts, c);
+    c->map = calloc(1, map_bytes(c));
     return c->map && fill_map(run);
 }
 
@@ -215,6 +219,15 @@ fathom_status caustics_create(fathom_context *context, const render_plan *plan, 
     else
         caustics_destroy(c);
     return fine ? FATHOM_OK : fail_memory(context, (size_t)ROUND * BATCH * sizeof(caustic_splat));
+}
+
+size_t caustics_bytes(const caustics *c) { return c ? map_bytes(c) : 0; }
+
+size_t caustics_bytes_expected(const fathom_scene *scene, const fathom_settings *settings) {
+    caustics c = {.map = NULL};
+    if (settings->integrator != FATHOM_INTEGRATOR_PATH || !caustic_smooth_materials(scene)) return 0;
+    set_extent(settings, film_parts_of(settings, &scene->light_groups), &c);
+    return map_bytes(&c);
 }
 
 void caustics_destroy(caustics *c) {

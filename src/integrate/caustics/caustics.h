@@ -48,6 +48,11 @@ typedef struct caustics {
 fathom_status caustics_create(fathom_context *context, const render_plan *plan, plan_watch *watch,
                               caustics **out);
 void caustics_destroy(caustics *c);
+/* Bytes of the map; NULL: 0. */
+size_t caustics_bytes(const caustics *c);
+/* Before there is a plan: the bytes of the map, if a material could be that of a caster; it may turn out that
+ * none is needed. */
+size_t caustics_bytes_expected(const fathom_scene *scene, const fathom_settings *settings);
 /* Adds the map's light to the samples of a batch. */
 void caustics_add(const caustics *c, wave *w, const wave_batch *batch);
 
@@ -55,6 +60,8 @@ void caustics_add(const caustics *c, wave *w, const wave_batch *batch);
 
 /* Finds the casters of a scene. False: out of memory. */
 bool caustic_casters_find(const render_plan *plan, caustics *out);
+/* Some material may be smooth. Every caster has such a material. */
+bool caustic_smooth_materials(const fathom_scene *scene);
 
 /* ---- share.c ---- */
 
