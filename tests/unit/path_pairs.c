@@ -46,6 +46,20 @@ static void compare_by(const laws_pair *o, stage *s, const char *what) {
 
 static void compare(stage *s, const char *what) { compare_by(&options, s, what); }
 
+/* Facets at the outline refract rays to between their horizon and that of the shading normal. A third vertex
+ * would end the path. */
+UNIT_TEST(refracted_rays_cross_the_facets_of_smooth_meshes) {
+    stage s = stage_open(32, 32);
+    laws_pair o = options;
+    fathom_material m = default_material();
+    for (int c = 0; c < 3; ++c) m.k_d[c] = 0, m.k_t[c] = 1;
+    m.ior = 1.05f, o.depth = 2, o.across = o.down = 8;
+    assert_ok(s.context, fathom_scene_set_background(s.scene, (const float[3]){1, 1, 1}));
+    stage_mesh_sphere(&s, FATHOM_ROOT, 2, 4, stage_material(&s, &m));
+    stage_camera(&s, (double[3]){0.4, 1.2, 4}, (double[3]){0, 0, 0}, (double[3]){0, 1, 0}, 0.6);
+    compare_by(&o, &s, "an octahedron");
+}
+
 /* Coarse, so that many directions lie between the shading normal's horizon and the facet's. */
 UNIT_TEST(smooth_meshes_follow_one_rule_of_sides) {
     fathom_material lambert, behind, thin = metallic(0, 0.8f), solid = metallic(0, 0);

@@ -21,7 +21,8 @@ typedef struct path {
     unsigned channel;                  /* the one channel that the path carries, 1 to 3; 0: all */
     bool overlap;                      /* volumes without priorities overlap */
     bool unlit;                        /* no light samples were taken of what the path meets next */
-    bool in_view;                      /* the camera sees what the path meets next */
+    bool beam;    /* mirrored or refracted by a facet, so that it keeps to the facet's side */
+    bool in_view; /* the camera sees what the path meets next */
 } path;
 
 /* The index of m among the path's volumes, or p->nested if it is not one of them. */
@@ -136,13 +137,14 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
         if (pick < gain) {
             *straight = i + 1 == all.beams && largest(passed_by(s)) > 0;
             p->unlit |= !*straight;
+            p->beam = true;
             p->direction = all.beam[i].direction;
             p->weight = scale_f64(sum / gain, times(p->weight, all.beam[i].weight));
             return true;
         }
         pick -= gain;
     }
-    p->unlit = false;
+    p->unlit = p->beam = false;
     const double density = reference_choose(r, s, &all, random, &p->direction) * others / sum;
     if (!(density > 0)) return false;
     p->weight = scale_f64(1 / density, times(p->weight, reference_evaluate(s, p->direction)));
@@ -151,8 +153,10 @@ static bool scatter(path *p, const reference_scene *r, const reference_surface *
 
 /* Leaves the surface, and possibly enters or leaves a volume. */
 static void advance(path *p, const reference_surface *s) {
-    p->origin = reference_leave(s, p->direction);
-    if (reference_refracts(s->material) && reference_crosses(s, p->direction)) cross(p, s);
+    reference_surface facet = *s;
+    facet.lifted &= !p->beam;
+    p->origin = reference_leave(&facet, p->direction);
+    if (reference_refracts(s->material) && reference_crosses(&facet, p->direction)) cross(p, s);
 }
 
 static vec3_f64 outside(const reference_scene *r, const path *p) {
