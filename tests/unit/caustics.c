@@ -172,7 +172,7 @@ static void expect_same(stage *a, stage *b, const char *what) {
     for (int k = 0; k < CELLS; ++k) {
         const double apart = (with.light[k] - without.light[k]) / SEEDS,
                      error = sqrt(fmax(variance_of(&with, k) + variance_of(&without, k), least));
-        if (!(fabs(apart) <= (SANITIZED ? 8 : 5) * error + 1e-5 * without.light[k] / SEEDS))
+        if (!(fabs(apart) <= (SANITIZED ? 6.5 : 5) * error + 1e-5 * without.light[k] / SEEDS))
             fail_msg("%s, cell %d: %g of %g, error %g", what, k, apart, without.light[k] / SEEDS, error);
     }
 }
