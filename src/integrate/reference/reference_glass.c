@@ -15,11 +15,12 @@ static reference_reflectances reflect_at(const fathom_material *m, double ior, d
 }
 
 /* Midpoint rule over half vectors that are distributed like D, as in reference_energy.c: G2 (v·h) / ((n·v)
- * (n·h)) times the reflectance, or times the transmittance. */
+ * (n·h)) times the reflectance, or times the transmittance. Light that is totally reflected ends at an edge
+ * across the azimuths, so they are denser than the rings: the error is at most 1e-3 for one alpha. */
 static double facets_send(const fathom_material *m, double ior, double ratio, vec3_f64 v) {
     const double across = reference_alpha(m), along = reference_alpha_along(m);
     const int half = along == across ? 2 : 1; /* both halves are alike if v.y is 0 */
-    const int RINGS = half == 2 ? 128 : 96, AROUND = half == 2 ? 64 : 32;
+    const int RINGS = 64, AROUND = half == 2 ? 128 : 64;
     double sum = 0;
     for (int i = 0; i < RINGS * AROUND / half; ++i) {
         const double q = (i / (AROUND / half) + 0.5) / RINGS,
