@@ -121,6 +121,8 @@ typedef struct fathom_settings {
     float max_loss, max_relative_loss;
     double epsilon;          /* fixed ray epsilon; 0 (default): automatic, from error bounds */
     bool terminator_fix;     /* light reaches what normals of smooth meshes face (Hanika); default true */
+    bool photons;            /* path: photons bring what smooth mirrors and glass throw onto other surfaces;
+                                no expected value depends on it; default true */
     unsigned aovs;           /* FATHOM_AOV_ bits; default 0 */
     const char *tracer;      /* the tracer: "embree" (also NULL, the default), "reference", "bvh:f64",
                                 "embree:user:high", or a library FILE.so (see plugin.h). The caller keeps the

@@ -86,6 +86,10 @@ static const fathom_parameter setting_rows[] = {
      .help = "Shadow terminator fix (Hanika 2021): a smooth mesh is lit wherever its normals face the light. Rays to "
      "below a facet's horizon start above it, on the round surface. Without it, black triangles appear near the "
      "terminator of coarse meshes."},
+    {"photons", BOOL, SETTING(photons), PIXELS | IN_FILE | COMMAND, 0, 1, true, NULL, "Light transport",
+     .help = "Photons for caustics, with `path`: light that smooth mirrors and glass throw onto other surfaces. No "
+     "expected value depends on it. Without it, paths alone find this light, and small lamps make speckles. A "
+     "camera inside glass, or very far away, has none."},
     {"aovs", WORDS, SETTING(aovs), PIXELS | IN_FILE, 0, FATHOM_AOVS & ~(unsigned)(FATHOM_AOV_ALPHA | FATHOM_AOV_ERROR), 0, "LIST", "Output",
      .help = "More outputs in an EXR file: coverage; depth; shading normal; world position; `kd` + `ks`; the ids of "
      "object, primitive and instance; samples of the pixel; standard error of each channel; light scattered "

@@ -57,7 +57,7 @@ for what in trace render error; do
 done
 # Every option is in the help.
 run 0 help render
-for option in --output --size --spp --pattern --crop --threads --seed --max-depth --min-weight --epsilon --no-terminator-fix \
+for option in --output --size --spp --pattern --crop --threads --seed --max-depth --min-weight --epsilon --no-terminator-fix --no-photons \
     --leave-out-below --tracer --aov --exposure --view --display --ocio --exr-float --background --block-width --tile-size --quiet \
     --verbose --stats --part --split; do
     said out.txt " $option"

@@ -280,6 +280,7 @@ UNIT_TEST(other_settings_are_refused) {
     REFUSED(max_relative_loss, 0.25f, "a loss by --leave-out-below of 0", "0.25");
     REFUSED(epsilon, 0.5, "--epsilon auto", "0.5");
     REFUSED(terminator_fix, false, "terminator fix true", "false");
+    REFUSED(photons, false, "photons true", "false");
     REFUSED(aovs, 0x1f, "aovs alpha,Z,N,P,albedo,id,samples", "alpha,Z,N,P,albedo");
     st.settings.tracer = "bvh";
     assert_refused("the tracer Embree", "reference BVH");

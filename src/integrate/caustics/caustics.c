@@ -38,10 +38,10 @@ typedef struct photon_run {
 
 /* ---- which scenes ---- */
 
-/* Connections know pinholes and thin lenses, in air and near the scene. */
+/* Connections know cameras in air and near the scene. */
 static bool is_eligible(const render_plan *plan) {
-    return plan->max_depth > 1 && !emitters_none(plan->emitters) && !plan->far && !plan->camera.parallel &&
-           !plan->camera.clips && !plan->eye_volumes.count && !plan->volumes_differ;
+    return plan->settings.photons && plan->max_depth > 1 && !emitters_none(plan->emitters) && !plan->far &&
+           !plan->eye_volumes.count && !plan->volumes_differ;
 }
 
 /* ---- photons ---- */
@@ -225,7 +225,8 @@ size_t caustics_bytes(const caustics *c) { return c ? map_bytes(c) : 0; }
 
 size_t caustics_bytes_expected(const fathom_scene *scene, const fathom_settings *settings) {
     caustics c = {.map = NULL};
-    if (settings->integrator != FATHOM_INTEGRATOR_PATH || !caustic_smooth_materials(scene)) return 0;
+    if (settings->integrator != FATHOM_INTEGRATOR_PATH || !settings->photons) return 0;
+    if (!caustic_smooth_materials(scene)) return 0;
     set_extent(settings, film_parts_of(settings, &scene->light_groups), &c);
     return map_bytes(&c);
 }

@@ -77,7 +77,7 @@ typedef struct caustic_entry {
 bool caustic_enter(const caustics *c, vec3_f64 from, vec3_f64 direction, double distance, caustic_entry *out);
 
 /* The density, per étendue at a point, with which the camera's samples find it: per pixel of area. way: from
- * the point on the lens to the point; ng: the unit geometric normal there. */
+ * the start of the camera's ray to the point; ng: the unit geometric normal there. */
 double caustic_view(const shade_camera *camera, vec3_f64 way, vec3_f64 ng);
 
 /* Both sides of the surface agree about the direction: a smooth surface maps it as seen from either end. */

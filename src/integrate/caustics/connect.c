@@ -9,7 +9,7 @@
 
 /* The lanes' points in the camera's view. */
 typedef struct camera_views {
-    emitter_sample to;   /* direction and distance of the point on the lens */
+    emitter_sample to;   /* direction to the start of the camera's ray, or where it passes the near plane */
     float width[LANES];  /* of the camera's cone at the point */
     double view[LANES];  /* caustic_view() */
     double scale[LANES]; /* the filter's density in the pixel, over the probability of the pixel's choice */
@@ -31,10 +31,11 @@ static uint32_t lanes_to_end(const photon_wave *w, const vertex_block *v) {
     return lanes;
 }
 
-/* The vector from a point on the lens to the lane's point. */
-static vec3_f64 way_from_lens(const shade_camera *camera, const vertex_block *v, unsigned i, const lanes3 u) {
-    const vec3_f64 from_eye = sub_f64(widen(lane_f32(v->surface.p, i)), widen(camera->eye));
+/* The vector to the lane's point from where the camera's ray starts: the eye, a point on the lens, or one of
+ * the plane of an orthographic camera. */
+static vec3_f64 way_of_ray(const shade_camera *camera, vec3_f64 from_eye, unsigned i, const lanes3 u) {
     double x, y;
+    if (camera->parallel) return scale_f64(dot_f64(from_eye, camera->view), camera->view);
     if (!(camera->lens_radius > 0)) return from_eye;
     camera_lens_point(camera, (double)u[0][i], (double)u[1][i], &x, &y);
     const vec3_f64 on_lens = add_f64(scale_f64(camera->lens_radius * x, camera->right),
@@ -101,14 +102,16 @@ static uint32_t find_views(const photon_wave *w, const vertex_block *v, uint32_t
     for (; lanes; lanes &= lanes - 1) {
         const unsigned i = lane_first(lanes);
         if (plan->camera_moves) wave_camera_when(plan, p->wave.times[v->path.slot[i]], &camera);
-        const vec3_f64 way = way_from_lens(&camera, v, i, u),
-                       from_eye = sub_f64(widen(lane_f32(v->surface.p, i)), widen(camera.eye));
+        const vec3_f64 from_eye = sub_f64(widen(lane_f32(v->surface.p, i)), widen(camera.eye)),
+                       way = way_of_ray(&camera, from_eye, i, u);
+        const double depth = dot_f64(from_eye, camera.view);
+        if (!(depth > camera.near_clip && depth <= camera.far_clip)) continue;
         const double places[2] = {(double)across[i], (double)down[i]};
         out->scale[i] = find_pixel(w, &camera, way, from_eye, places, &out->pixel[i]);
         if (!(out->scale[i] > 0)) continue;
         const double length = length_f64(way);
         put_lane_f32(out->to.direction, i, narrow(scale_f64(-1 / length, way)));
-        out->to.distance[i] = (float)length;
+        out->to.distance[i] = (float)(length * (1 - camera.near_clip / depth));
         out->width[i] = plan->pixel_width + plan->pixel_spread * (float)length;
         out->view[i] = caustic_view(&camera, way, widen(lane_f32(v->surface.ng, i)));
         seen |= 1u << i;

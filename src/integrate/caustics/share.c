@@ -36,9 +36,10 @@ bool caustic_enter(const caustics *c, vec3_f64 from, vec3_f64 direction, double 
 }
 
 double caustic_view(const shade_camera *camera, vec3_f64 way, vec3_f64 ng) {
+    const double pixel = length_f64(cross_f64(camera->across, camera->down));
+    if (camera->parallel) return fabs(dot_f64(camera->view, ng)) / pixel;
     const double square = dot_f64(way, way), length = sqrt(square),
-                 cosine = dot_f64(way, camera->view) / length, plane = dot_f64(camera->corner, camera->view),
-                 pixel = length_f64(cross_f64(camera->across, camera->down));
+                 cosine = dot_f64(way, camera->view) / length, plane = dot_f64(camera->corner, camera->view);
     return plane * plane * fabs(dot_f64(way, ng)) / (pixel * cosine * cosine * cosine * square * length);
 }
 
