@@ -1,7 +1,8 @@
 /* Scenes with caustics, and comparisons of their light with photons and without. */
 #pragma once
 
-#include "render.h"
+#include "integrate/caustics/caustics.h"
+#include "plans.h"
 
 #include <math.h>
 
@@ -99,3 +100,15 @@ static inline void expect_same(stage *a, stage *b, const char *what) {
 }
 
 static inline void compare(stage *s, const char *what) { expect_same(s, s, what); }
+
+static inline void expect_photons(const render_plan *plan, double unused) {
+    (void)unused;
+    assert_non_null(plan->caustics);
+}
+
+/* There are photons to compare with. */
+static inline void compare_all(stage *s, const char *what) {
+    compare(s, what);
+    s->settings.photons = true;
+    look_at_plan(*s, 0, expect_photons);
+}

@@ -291,10 +291,6 @@ void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 
     if (e->texturing) emitters_vary(e, &c, out);
 }
 
-bool emitters_is_lamp(const emitters *e, const emitter_sample *sample, unsigned i) {
-    return (emitters_choose(e) ? sample->emitter[i] : e->only) >= e->surface_count;
-}
-
 float emitters_hit_density(const emitters *e, vec3_f32 p, vec3_f32 n, vec3_f32 direction,
                            const emitter_hit *hit) {
     const emitter_run *run = emitters_run(e, hit->geometry, hit->instance);

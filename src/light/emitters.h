@@ -71,9 +71,6 @@ bool emitters_move(const emitters *e);
 /* u: three numbers in [0,1) per lane; the third chooses the light, and is read if emitters_choose(). */
 void emitters_sample(const emitters *e, const emitter_query *from, const lanes3 u, emitter_sample *out);
 
-/* True if a sample's light of the class EMITTER_FINITE is a lamp: a point or spot light, with a radius or
- * without. */
-bool emitters_is_lamp(const emitters *e, const emitter_sample *sample, unsigned i);
 /* True if some light from outside comes from an image of a sky. */
 bool emitters_any_skies(const emitters *e);
 
@@ -135,6 +132,7 @@ typedef struct emitter_disc {
                        disc, or it treats a sun as if it had no size; then only rays of smooth lobes may add
                        the light */
     float distance; /* of the sphere; INFINITY: a sun */
+    uint32_t lamp;  /* number of the lamp, for emitters_sphere_density() */
     uint8_t group;
 } emitter_disc;
 /* For a ray from a point p whose normal is n, as in emitters_hit_density(). False: its unit direction leads
@@ -154,6 +152,10 @@ bool emitters_any_spheres(const emitters *e);
  * part, in an order that depends on the lamps alone. */
 void emitters_find_spheres(const emitters *e, const emitter_ray *ray,
                            void (*found)(void *user, const emitter_disc *lamp), void *user);
+
+/* The density with which emitters_sample() samples each direction to the sphere of a lamp, at a point p whose
+ * normal is n, as in emitters_hit_density(). 0: it treats the lamp as one without size. */
+float emitters_sphere_density(const emitters *e, uint32_t lamp, vec3_f32 p, vec3_f32 n);
 
 /* The light group of the light from outside; LIGHT_GROUP_OUTSIDE: there are several, and
  * emitters_outside_shares() gives their fractions for a direction, by group and channel. */

@@ -118,13 +118,18 @@ typedef struct lamp_search {
     float length;
 } lamp_search;
 
-static float density_of(const lamp_search *s, uint32_t k, const shape_cone *cone) {
-    const emitters *e = s->e;
-    double chance = emitters_shares(e, s->ray->p, s->ray->n)->of[EMITTER_FINITE];
+static float density_of(const emitters *e, uint32_t k, vec3_f32 p, vec3_f32 n, const shape_cone *cone) {
+    double chance = emitters_shares(e, p, n)->of[EMITTER_FINITE];
     if (e->only == FATHOM_NONE)
-        chance *= tree_chance(&e->lights, s->ray->p, s->ray->n, emitters_view(e, s->ray->p, s->ray->n),
-                              e->slot_of[e->surface_count + k]);
+        chance *= tree_chance(&e->lights, p, n, emitters_view(e, p, n), e->slot_of[e->surface_count + k]);
     return density_f32(chance / shape_cone_angle(cone));
+}
+
+float emitters_sphere_density(const emitters *e, uint32_t lamp, vec3_f32 p, vec3_f32 n) {
+    const emitter_lamp *l = &e->lamps[lamp];
+    shape_cone cone;
+    if (!e->found || !find_cone(l, sub_f64(widen(p), widen(l->light.position)), &cone)) return 0;
+    return density_of(e, lamp, p, n, &cone);
 }
 
 static void look_at(const lamp_search *s, uint32_t k) {
@@ -136,10 +141,10 @@ static void look_at(const lamp_search *s, uint32_t k) {
     if (!find_cone(lamp, from, &cone) || !shape_cone_holds(&cone, d)) return;
     const double distance = shape_sphere_root(from, d, (double)lamp->radius, -1);
     if (!(distance >= (double)ray->from && distance < (double)ray->to)) return;
-    emitter_disc disc = {.distance = (float)distance, .group = lamp->group};
+    emitter_disc disc = {.distance = (float)distance, .lamp = k, .group = lamp->group};
     store_f32(disc.radiance, radiance_of(lamp, ray->direction));
     if (!(disc.radiance[0] + disc.radiance[1] + disc.radiance[2] > 0)) return;
-    if (!ray->smooth) disc.density = density_of(s, k, &cone);
+    if (!ray->smooth) disc.density = density_of(s->e, k, ray->p, ray->n, &cone);
     s->found(s->user, &disc);
 }
 

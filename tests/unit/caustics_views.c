@@ -1,7 +1,5 @@
 /* Caustics (integrate/caustics) with every kind of camera, in motion, and on textures. */
 #include "caustic_rooms.h"
-#include "integrate/caustics/caustics.h"
-#include "plans.h"
 
 /* ---- the size of surfaces in the image ---- */
 
@@ -40,18 +38,6 @@ static stage ball_under_lamp(void) {
     add_face(&s, 0.4, 20);
     stage_sphere(&s, -0.1, 0, 0, 0.7, stage_material(&s, &glass));
     return s;
-}
-
-/* Compares the light; without photons, there would be no plan for them. */
-static void expect_photons(const render_plan *plan, double unused) {
-    (void)unused;
-    assert_non_null(plan->caustics);
-}
-
-static void compare_all(stage *s, const char *what) {
-    compare(s, what);
-    s->settings.photons = true;
-    look_at_plan(*s, 0, expect_photons);
 }
 
 static void expect_none(const render_plan *plan, double unused) {

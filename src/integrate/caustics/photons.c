@@ -76,8 +76,7 @@ static bool is_lit(const photon_wave *w, const photon_starts *s, unsigned i) {
     const emitter_sample *light = &s->light;
     if (!(light->density[i] > 0) || !light->sized[i]) return false;
     if (!(dot_f32(lane_f32(s->at.n, i), lane_f32(light->direction, i)) > 0)) return false; /* not an entry */
-    if (light->part[i] == EMITTER_OUTSIDE) return w->caustics->images;
-    return light->part[i] != EMITTER_FINITE || !emitters_is_lamp(w->path->wave.run.plan->emitters, light, i);
+    return light->part[i] != EMITTER_OUTSIDE || w->caustics->images;
 }
 
 /* Starts the photon of lane i. Lights are outside of all spheres, and no volume is around them. */

@@ -135,6 +135,10 @@ static void add_lamp(void *user, const emitter_disc *lamp) {
     float left[3] = {1, 1, 1};
     if (p->media) media_left(p->media, slot, lamp->distance - p->passed[slot], left);
     for (int c = 0; c < 3; ++c) met.radiance[c] = lamp->radiance[c] * left[c];
+    caustic_entry at;
+    if (ends_chain(p, slot, way->direction, (double)lamp->distance, &at))
+        met.chain = chain_share(p, slot, &at,
+                                emitters_sphere_density(p->wave.run.plan->emitters, lamp->lamp, at.p, at.n));
     add_light(p, slot, way->path, way->i, &met);
 }
 
