@@ -37,6 +37,17 @@ static inline stage open_room(double lens) {
     return s;
 }
 
+/* A ball of glass under a lamp. */
+static inline stage ball_under_lamp(void) {
+    stage s = open_room(0);
+    const fathom_material glass = glass_of(0);
+    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
+    s.settings.target_error = 0;
+    add_face(&s, 0.4, 20);
+    stage_sphere(&s, -0.1, 0, 0, 0.7, stage_material(&s, &glass));
+    return s;
+}
+
 enum { CELLS = 17, SEEDS = 16, SAMPLES = SANITIZED ? 2 : 48 };
 
 /* The light in 4 × 4 cells of the image and in all of it, over seeds: sums, and sums of squares. */

@@ -192,16 +192,6 @@ UNIT_TEST(a_mirror_is_a_hole_to_a_second_room) {
 
 /* ---- the map ---- */
 
-static stage open_caustic(void) {
-    stage s = open_room(0);
-    const fathom_material glass = glass_of(0);
-    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    s.settings.target_error = 0;
-    add_lamp(&s, FACE);
-    stage_sphere(&s, -0.1, 0, 0, 0.7, stage_material(&s, &glass));
-    return s;
-}
-
 static double light_of(const caustics *c, uint32_t group) {
     double sum = 0;
     const size_t count = (size_t)c->width * c->height * 3;
@@ -224,9 +214,9 @@ static void expect_none(const render_plan *plan, double unused) {
 
 /* The lamp of radiance 20 covers 0.38, the ball a disc of 1.5 at a distance of 3: about 1 in 20 of the image
  * gets a light near 1. */
-UNIT_TEST(a_lamp_through_glass_makes_a_map) { look_at_plan(open_caustic(), 0.005, expect_map); }
+UNIT_TEST(a_lamp_through_glass_makes_a_map) { look_at_plan(ball_under_lamp(), 0.005, expect_map); }
 
-UNIT_TEST(without_glass_or_lamp_there_is_no_map) {
+UNIT_TEST(without_glass_or_lamp_or_photons_there_is_no_map) {
     stage s = open_room(0);
     fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
     add_lamp(&s, FACE);
@@ -236,6 +226,9 @@ UNIT_TEST(without_glass_or_lamp_there_is_no_map) {
     const fathom_material glass = glass_of(0);
     stage_sphere(&s, -0.1, 0, 0, 0.7, stage_material(&s, &glass));
     stage_point_light(&s, 0.4, 3, 0.3, 5);
+    look_at_plan(s, 0, expect_none);
+    s = ball_under_lamp();
+    s.settings.photons = false;
     look_at_plan(s, 0, expect_none);
 }
 
@@ -251,14 +244,14 @@ static void expect_four(const render_plan *plan, double unused) {
 }
 
 UNIT_TEST(groups_of_samples_have_maps_of_their_own) {
-    stage s = open_caustic();
+    stage s = ball_under_lamp();
     s.settings.aovs = FATHOM_AOV_ERROR;
     look_at_plan(s, 0, expect_four);
 }
 
 /* A crop, and any number of threads, change no pixel. Light of the mirror falls outside the crop. */
 UNIT_TEST(maps_do_not_depend_on_crops_or_threads) {
-    stage s = open_caustic();
+    stage s = ball_under_lamp();
     const fathom_material silver = glass_of(1);
     stage_sphere(&s, -1.6, -0.6, 0, 0.4, stage_material(&s, &silver));
     s.settings.width = s.settings.height = 96, s.settings.spp = 4;
@@ -281,7 +274,7 @@ static bool not_photons(void *seen, const fathom_progress *now) {
 
 /* Enough photons for the first call of progress to come between them. */
 UNIT_TEST(photons_tell_their_progress_and_stop) {
-    stage s = open_caustic();
+    stage s = ball_under_lamp();
     fathom_film *film;
     double seen = 0;
     s.settings.width = s.settings.height = 512, s.settings.spp = 1 << 14;

@@ -27,30 +27,6 @@ UNIT_TEST(the_view_is_the_size_of_an_area_in_the_image) {
     check_view(4);
 }
 
-/* ---- scenes ---- */
-
-/* A ball of glass under a lamp. */
-static stage ball_under_lamp(void) {
-    stage s = open_room(0);
-    const fathom_material glass = glass_of(0);
-    fathom_settings_set_integrator(&s.settings, FATHOM_INTEGRATOR_PATH);
-    s.settings.target_error = 0;
-    add_face(&s, 0.4, 20);
-    stage_sphere(&s, -0.1, 0, 0, 0.7, stage_material(&s, &glass));
-    return s;
-}
-
-static void expect_none(const render_plan *plan, double unused) {
-    (void)unused;
-    assert_null(plan->caustics);
-}
-
-UNIT_TEST(photons_can_be_turned_off) {
-    stage s = ball_under_lamp();
-    s.settings.photons = false;
-    look_at_plan(s, 0, expect_none);
-}
-
 /* ---- cameras ---- */
 
 static void set_camera(stage *s, fathom_camera *camera) {

@@ -70,11 +70,9 @@ static double find_pixel(const photon_wave *w, const shade_camera *camera, vec3_
     double x, y;
     int64_t column, row;
     vec3_f64 on = from_eye;
-    if (camera->lens_radius > 0) {
-        const double depth = dot_f64(way, camera->view);
-        if (!(depth > 0)) return 0;
-        on = add_f64(sub_f64(from_eye, way), scale_f64(camera->focus_distance / depth, way));
-    }
+    if (camera->lens_radius > 0)
+        on = add_f64(sub_f64(from_eye, way),
+                     scale_f64(camera->focus_distance / dot_f64(way, camera->view), way));
     if (!camera_place(camera, on, &x, &y) || !(fabs(x) < 0x1p20 && fabs(y) < 0x1p20)) return 0;
     const double scale = choose_pixel(filter, x, u[0], &column) * choose_pixel(filter, y, u[1], &row);
     column -= c->x0, row -= c->y0;
